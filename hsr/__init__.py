@@ -1,0 +1,53 @@
+"""hsr, a hidden-surface comparison lab: which surface does the eye see at each pixel?"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from hsr import testing as testing
+    from hsr.algorithms.registry import Method as Method
+    from hsr.algorithms.registry import methods as methods
+    from hsr.algorithms.registry import render as render
+    from hsr.difference.classes import Difference as Difference
+    from hsr.difference.classes import compare as compare
+    from hsr.errors import HsrError as HsrError
+    from hsr.scene.files import load as load
+    from hsr.scene.model import Scene as Scene
+    from hsr.viewing import View as View
+    from hsr.viewing import view as view
+    from hsr.visibility import VisibilityMap as VisibilityMap
+    from hsr.visibility import load_map as load_map
+
+__version__ = "0.1.0"
+
+# Imported on first use: `hsr --help` must not wait for numba or trimesh.
+_HOME = {
+    "Difference": "hsr.difference.classes",
+    "HsrError": "hsr.errors",
+    "Method": "hsr.algorithms.registry",
+    "Scene": "hsr.scene.model",
+    "View": "hsr.viewing",
+    "VisibilityMap": "hsr.visibility",
+    "compare": "hsr.difference.classes",
+    "load": "hsr.scene.files",
+    "load_map": "hsr.visibility",
+    "methods": "hsr.algorithms.registry",
+    "render": "hsr.algorithms.registry",
+    "view": "hsr.viewing",
+}
+
+__all__ = [*sorted(_HOME), "__version__", "testing"]
+
+
+def __getattr__(name: str) -> Any:
+    if name == "testing":
+        return importlib.import_module("hsr.testing")
+    if name not in _HOME:
+        raise AttributeError(f"module 'hsr' has no attribute {name!r}")
+    return getattr(importlib.import_module(_HOME[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,185 @@
+"""The methods by name, and the one function that runs any of them."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from functools import cache
+from importlib.metadata import entry_points
+from typing import Any
+
+from hsr.errors import MethodError
+from hsr.scene.model import Scene
+from hsr.viewing import View, view
+from hsr.visibility import VisibilityMap
+
+ENTRY_POINTS = "hsr.algorithms"
+"""Entry-point group in which other packages register a :class:`Method`."""
+
+
+@dataclass(frozen=True)
+class Method:
+    """A named variant of an algorithm.
+
+    Attributes
+    ----------
+    name : str
+    about : str
+        One line for people.
+    module : str
+        Module with a frozen dataclass ``Options`` and a function
+        ``render(view: View, options: Options) -> VisibilityMap``; imported when first used.
+    settings : mapping
+        The options that make this variant; those not named keep their defaults.
+    curved : bool
+        Whether spheres and cylinders are exact; otherwise they are tessellated.
+    needs : str
+        What the machine must have: ``"opengl"``, ``"embree"`` or nothing.
+    """
+
+    name: str
+    about: str
+    module: str
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    curved: bool = False
+    needs: str = ""
+
+    def options(self, **overrides: Any) -> Any:
+        """Return the options of this variant, with some of them replaced.
+
+        Raises
+        ------
+        MethodError
+            If an option does not exist or its value is refused.
+        """
+        defaults = importlib.import_module(self.module).Options
+        known = [option.name for option in fields(defaults)]
+        for name in overrides:
+            if name not in known:
+                raise MethodError(
+                    f"{self.name} has no option {name!r}; it has {', '.join(known) or 'none'}"
+                )
+        return defaults(**{**self.settings, **overrides})
+
+    def render(self, view: View, **overrides: Any) -> VisibilityMap:
+        """Run the method on a view; see :func:`render`."""
+        options = self.options(**overrides)
+        answer: VisibilityMap = importlib.import_module(self.module).render(view, options)
+        return replace(answer, method=self.name, manifest=view.manifest, hashes=view.hashes)
+
+
+BUILT_IN = (
+    Method("backface", "back-face culling alone: what is left, in file order", "hsr.algorithms.backface"),
+    Method("zbuffer", "depth buffer, incremental scan conversion, float64", "hsr.algorithms.zbuffer"),
+    Method(
+        "zbuffer-direct",
+        "depth buffer, plane and edges evaluated at every sample, float64",
+        "hsr.algorithms.zbuffer",
+        {"stepping": "direct"},
+    ),
+    Method(
+        "zbuffer-float32",
+        "depth buffer, incremental scan conversion, float32",
+        "hsr.algorithms.zbuffer",
+        {"arithmetic": "float32"},
+    ),
+    Method(
+        "zbuffer-float32-direct",
+        "depth buffer, plane and edges evaluated at every sample, float32",
+        "hsr.algorithms.zbuffer",
+        {"arithmetic": "float32", "stepping": "direct"},
+    ),
+    Method("raycast", "ray casting, coherent tiles of rays in a hierarchy", "hsr.algorithms.raycast", {}, True),
+    Method(
+        "raycast-single",
+        "ray casting, one ray at a time through extents and hierarchies",
+        "hsr.algorithms.raycast",
+        {"acceleration": "hierarchy"},
+        True,
+    ),
+    Method(
+        "raycast-extents",
+        "ray casting over the object list, an extent around every object",
+        "hsr.algorithms.raycast",
+        {"acceleration": "extents"},
+        True,
+    ),
+    Method(
+        "raycast-list",
+        "ray casting as the textbook has it: every ray against the whole object list",
+        "hsr.algorithms.raycast",
+        {"acceleration": "none"},
+        True,
+    ),
+    Method("opengl", "headless OpenGL: OSMesa, else EGL", "hsr.algorithms.opengl", {}, False, "opengl"),
+    Method("embree", "Embree through embreex's own API", "hsr.algorithms.embree", {}, False, "embree"),
+)
+
+
+@cache
+def methods() -> dict[str, Method]:
+    """Return all methods by name: the built-in ones, then those other packages register."""
+    found = {method.name: method for method in BUILT_IN}
+    for entry in entry_points(group=ENTRY_POINTS):
+        method = entry.load()
+        if not isinstance(method, Method):
+            raise MethodError(f"entry point {entry.value} must be an hsr.Method, not {type(method).__name__}")
+        found.setdefault(method.name, method)
+    return found
+
+
+def method_named(name: str) -> Method:
+    """Return one method.
+
+    Raises
+    ------
+    MethodError
+        If no method has that name.
+    """
+    try:
+        return methods()[name]
+    except KeyError:
+        raise MethodError(f"no method is named {name!r}; there are {', '.join(methods())}") from None
+
+
+def render(
+    scene: Scene | View,
+    method: str = "zbuffer",
+    size: tuple[int, int] | None = None,
+    camera: str | None = None,
+    **options: Any,
+) -> VisibilityMap:
+    """Decide which face owns each sample, by the named method.
+
+    Parameters
+    ----------
+    scene : Scene or View
+    method : str
+        A name that ``hsr algos`` lists.
+    size : (width, height), optional
+        Image size in pixels, 512 x 512 by default; only with a scene.
+    camera : str, optional
+        Name of the scene's camera, its first by default; only with a scene.
+    **options
+        Options of the method in place of its defaults.
+
+    Returns
+    -------
+    VisibilityMap
+
+    Raises
+    ------
+    MethodError
+        If the method or an option does not exist, or size or camera are given with a view.
+    ViewError
+        If the view cannot be made.
+    UnavailableError
+        If the method needs what this machine lacks.
+    """
+    chosen = method_named(method)
+    if isinstance(scene, View):
+        if size is not None or camera is not None:
+            raise MethodError("a view has its size and camera; give them only with a scene")
+        return chosen.render(scene, **options)
+    return chosen.render(view(scene, size or (512, 512), camera), **options)

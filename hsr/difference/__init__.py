@@ -1,0 +1,1 @@
+"""Where two visibility maps differ, and how."""

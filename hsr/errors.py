@@ -1,0 +1,39 @@
+"""The errors the package raises: each says what is wrong, where, and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+
+class HsrError(Exception):
+    """Base class of every error this package raises on purpose."""
+
+
+class SceneError(HsrError):
+    """A scene that cannot be used.
+
+    Attributes
+    ----------
+    problems : tuple of str
+        One line a problem, each with its file, the path of its key and what was expected.
+    """
+
+    def __init__(self, problems: str | Sequence[str]) -> None:
+        self.problems = (problems,) if isinstance(problems, str) else tuple(problems)
+        super().__init__("\n".join(self.problems))
+
+
+class ViewError(HsrError):
+    """A view that cannot be made: no such camera, or an image size out of range."""
+
+
+class MethodError(HsrError):
+    """An unknown method or option, or a method that cannot handle this view."""
+
+
+class MapError(HsrError):
+    """A visibility map that cannot be read, or two maps that cannot be compared."""
+
+
+class UnavailableError(HsrError):
+    """A method needs something this machine lacks, such as OpenGL or Embree."""

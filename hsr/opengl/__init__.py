@@ -1,0 +1,1 @@
+"""Headless OpenGL contexts, each proven by drawing before it is used."""

@@ -1,0 +1,1 @@
+"""What is in the world: the model, the generic shapes, the files."""

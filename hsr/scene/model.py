@@ -1,0 +1,420 @@
+"""What is in the world: objects, cameras and lights, as written in a scene file.
+
+Everything here is a description, checked and frozen; it knows nothing of pixels. Unknown keys,
+wrong types and numbers that are not finite are refused. Right-handed world, +y up; angles in
+degrees; lengths in scene units.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PositiveFloat,
+    field_validator,
+    model_validator,
+)
+
+
+def _as_tuple(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _as_scale(value: Any) -> Any:
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return (value, value, value) if is_number else _as_tuple(value)
+
+
+Vector = Annotated[tuple[float, float, float], BeforeValidator(_as_tuple)]
+Scale = Annotated[tuple[float, float, float], BeforeValidator(_as_scale)]
+Row = Annotated[tuple[float, float, float, float], BeforeValidator(_as_tuple)]
+Matrix = Annotated[tuple[Row, Row, Row, Row], BeforeValidator(_as_tuple)]
+Channel = Annotated[float, Field(ge=0.0, le=1.0)]
+Colour = Annotated[tuple[Channel, Channel, Channel], BeforeValidator(_as_tuple)]
+Loop = Annotated[tuple[int, ...], BeforeValidator(_as_tuple), Field(min_length=3)]
+Triangle = Annotated[tuple[int, int, int], BeforeValidator(_as_tuple)]
+Pair = Annotated[tuple[float, float], BeforeValidator(_as_tuple)]
+Name = Annotated[str, Field(min_length=1, max_length=80)]
+
+
+class Description(BaseModel):
+    """Base of every part of a scene file: frozen, strict, no unknown key, no NaN."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+# ---------------------------------------------------------------- cameras
+
+
+class Placed(Description):
+    """What perspective and orthographic cameras share: where they stand and look."""
+
+    name: Name = "main"
+    eye: Vector
+    target: Vector = (0.0, 0.0, 0.0)
+    up: Vector = (0.0, 1.0, 0.0)
+
+    @model_validator(mode="after")
+    def _has_a_direction(self) -> Placed:
+        forward = [t - e for t, e in zip(self.target, self.eye, strict=True)]
+        side = _cross(forward, self.up)
+        # Compared with rounding of the products: u * |forward| * |up| a component, twice.
+        if math.hypot(*side) <= 2.0**-50 * math.hypot(*forward) * math.hypot(*self.up):
+            raise ValueError("eye and target must differ, and up must not point along the view axis")
+        return self
+
+
+def _cross(a: Any, b: Any) -> tuple[float, float, float]:
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
+
+
+class Perspective(Placed):
+    """A pinhole camera. Without ``far`` it sees to infinity, as in glTF."""
+
+    type: Literal["perspective"]
+    fov: Annotated[float, Field(gt=0.0, lt=180.0)] = 45.0
+    fov_axis: Literal["y", "x", "min"] = "y"
+    near: PositiveFloat = 0.1
+    far: PositiveFloat | None = None
+
+    @model_validator(mode="after")
+    def _near_before_far(self) -> Perspective:
+        if self.far is not None and self.far <= self.near:
+            raise ValueError(f"far ({self.far}) must be greater than near ({self.near})")
+        return self
+
+
+class Orthographic(Placed):
+    """A parallel camera; ``height`` is that of the viewed volume, in scene units."""
+
+    type: Literal["orthographic"]
+    height: PositiveFloat
+    near: float = 0.0
+    far: float
+
+    @model_validator(mode="after")
+    def _near_before_far(self) -> Orthographic:
+        if self.far <= self.near:
+            raise ValueError(f"far ({self.far}) must be greater than near ({self.near})")
+        return self
+
+
+class MatrixCamera(Description):
+    """A camera given by its 4x4 matrix from world to clip space, in OpenGL's convention.
+
+    ``matrix @ (x, y, z, 1) = (x_c, y_c, z_c, w_c)``; near is ``z_c = -w_c``, far ``z_c = w_c``.
+    """
+
+    name: Name = "main"
+    type: Literal["matrix"]
+    matrix: Matrix
+
+    @field_validator("matrix")
+    @classmethod
+    def _is_invertible(cls, matrix: Matrix) -> Matrix:
+        if exact_determinant(matrix) == 0:
+            raise ValueError("the matrix is singular: it flattens the world")
+        return matrix
+
+
+Camera = Annotated[Perspective | Orthographic | MatrixCamera, Field(discriminator="type")]
+
+
+# ---------------------------------------------------------------- objects
+
+
+def exact_determinant(matrix: Any) -> Fraction:
+    """Determinant of a square matrix of floats, without rounding.
+
+    Parameters
+    ----------
+    matrix : sequence of n sequences of n float
+
+    Returns
+    -------
+    Fraction
+    """
+    rows = [[Fraction(x) for x in row] for row in matrix]
+    determinant = Fraction(1)
+    for k in range(len(rows)):
+        pivot = next((i for i in range(k, len(rows)) if rows[i][k] != 0), None)
+        if pivot is None:
+            return Fraction(0)
+        if pivot != k:
+            rows[k], rows[pivot] = rows[pivot], rows[k]
+            determinant = -determinant
+        determinant *= rows[k][k]
+        for row in rows[k + 1 :]:
+            factor = row[k] / rows[k][k]
+            row[k:] = [x - factor * y for x, y in zip(row[k:], rows[k][k:], strict=True)]
+    return determinant
+
+
+class Step(Description):
+    """One step of a transform; the steps of a list apply in the order written.
+
+    Exactly one key: ``translate``, ``scale`` (a number or three), ``rotate_x``, ``rotate_y``,
+    ``rotate_z`` (degrees, counter-clockwise seen from the tip of the axis), or ``matrix`` (4x4,
+    last row 0 0 0 1).
+    """
+
+    translate: Vector | None = None
+    scale: Scale | None = None
+    rotate_x: float | None = None
+    rotate_y: float | None = None
+    rotate_z: float | None = None
+    matrix: Matrix | None = None
+
+    @model_validator(mode="after")
+    def _exactly_one_key(self) -> Step:
+        if len(self.model_fields_set) != 1:
+            raise ValueError(f"a step has exactly one key of {', '.join(type(self).model_fields)}")
+        return self
+
+    @field_validator("scale")
+    @classmethod
+    def _scale_is_invertible(cls, scale: Scale | None) -> Scale | None:
+        if scale is not None and 0.0 in scale:
+            raise ValueError("a scale of 0 makes the transform singular")
+        return scale
+
+    @field_validator("matrix")
+    @classmethod
+    def _matrix_is_affine(cls, matrix: Matrix | None) -> Matrix | None:
+        if matrix is None:
+            return matrix
+        if matrix[3] != (0.0, 0.0, 0.0, 1.0):
+            raise ValueError("the last row of an affine matrix is [0, 0, 0, 1]")
+        if exact_determinant([row[:3] for row in matrix[:3]]) == 0:
+            raise ValueError("the matrix is singular: it flattens the object")
+        return matrix
+
+
+class Scatter(Description):
+    """Copies of an object strewn over a rectangle of the ground, turned about the y axis.
+
+    A copy is the object after its own transform, scaled by a factor drawn from ``scale``, turned by a
+    random angle and moved to a random point of ``[x0, x1] x [z0, z1]``. The same ``seed`` gives
+    the same copies.
+    """
+
+    count: Annotated[int, Field(ge=1, le=1_000_000)]
+    x: Pair
+    z: Pair
+    scale: Pair = (1.0, 1.0)
+    seed: Annotated[int, Field(ge=0)] = 0
+
+    @model_validator(mode="after")
+    def _ranges_are_ordered(self) -> Scatter:
+        if self.x[0] > self.x[1] or self.z[0] > self.z[1]:
+            raise ValueError("x and z are ranges [low, high]")
+        if not 0.0 < self.scale[0] <= self.scale[1]:
+            raise ValueError("scale is a range [low, high] with 0 < low <= high")
+        return self
+
+
+class Thing(Description):
+    """What every object has, whatever its shape."""
+
+    name: Name
+    transform: Annotated[tuple[Step, ...], BeforeValidator(_as_tuple)] = ()
+    cull: Literal["none", "back", "front"] = "none"
+    colour: Colour = (0.8, 0.8, 0.8)
+    scatter: Scatter | None = None
+
+
+class Square(Thing):
+    """The generic square: ``z = 0``, ``|x|, |y| <= 1``. One face, its front toward +z."""
+
+    shape: Literal["square"]
+
+
+class Cube(Thing):
+    """The generic cube: ``|x|, |y|, |z| <= 1``. Faces: top, bottom, right, left, front, back."""
+
+    shape: Literal["cube"]
+
+
+class Sphere(Thing):
+    """The generic sphere: radius 1 about the origin. One face."""
+
+    shape: Literal["sphere"]
+
+
+class Cylinder(Thing):
+    """The generic cylinder: radius 1 about the z axis, ``0 <= z <= 1``. Faces: side, base, cap."""
+
+    shape: Literal["cylinder"]
+
+
+def _check_indices(faces: Any, vertices: Any) -> None:
+    for k, loop in enumerate(faces):
+        for index in loop:
+            if not 0 <= index < len(vertices):
+                raise ValueError(
+                    f"face {k} names vertex {index}; there are {len(vertices)}, numbered from 0"
+                )
+
+
+class Polyhedron(Thing):
+    """A convex polyhedron: corners, and faces counter-clockwise as seen from outside.
+
+    A face of more than three corners means the fan of triangles about its first corner.
+    """
+
+    shape: Literal["polyhedron"]
+    vertices: Annotated[tuple[Vector, ...], BeforeValidator(_as_tuple), Field(min_length=4)]
+    faces: Annotated[tuple[Loop, ...], BeforeValidator(_as_tuple), Field(min_length=4)]
+
+    @model_validator(mode="after")
+    def _indices_exist(self) -> Polyhedron:
+        _check_indices(self.faces, self.vertices)
+        return self
+
+
+class Mesh(Thing):
+    """Triangles: read from ``file`` (OBJ, PLY, STL, OFF, GLB), or ``vertices`` and ``faces``.
+
+    ``part`` names one geometry of a file that holds several.
+    """
+
+    shape: Literal["mesh"]
+    file: str | None = None
+    part: str | None = None
+    vertices: Annotated[tuple[Vector, ...], BeforeValidator(_as_tuple)] | None = None
+    faces: Annotated[tuple[Triangle, ...], BeforeValidator(_as_tuple)] | None = None
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Mesh:
+        inline = self.vertices is not None and self.faces is not None
+        if inline == (self.file is not None) or (self.vertices is None) != (self.faces is None):
+            raise ValueError("a mesh has either file, or both vertices and faces")
+        if inline:
+            _check_indices(self.faces, self.vertices)
+        return self
+
+
+class Teapot(Thing):
+    """The Utah teapot from its 32 Bezier patches, each cut into ``detail`` x ``detail`` quads."""
+
+    shape: Literal["teapot"]
+    detail: Annotated[int, Field(ge=1, le=64)] = 8
+
+
+class TorusKnot(Thing):
+    """A tube about the (p, q) torus knot: ``segments`` along it, ``sides`` around it."""
+
+    shape: Literal["torus-knot"]
+    p: Annotated[int, Field(ge=1, le=20)] = 2
+    q: Annotated[int, Field(ge=1, le=20)] = 3
+    segments: Annotated[int, Field(ge=8, le=4096)] = 256
+    sides: Annotated[int, Field(ge=3, le=256)] = 16
+    thickness: PositiveFloat = 0.35
+
+
+class Terrain(Thing):
+    """A fractal height field over ``|x|, |z| <= 1``: midpoint displacement, ``2**detail`` cells a side."""
+
+    shape: Literal["terrain"]
+    detail: Annotated[int, Field(ge=1, le=10)] = 7
+    roughness: Annotated[float, Field(gt=0.0, lt=1.0)] = 0.5
+    height: PositiveFloat = 0.5
+    seed: Annotated[int, Field(ge=0)] = 0
+
+
+class Menger(Thing):
+    """The Menger sponge of the cube ``|x|, |y|, |z| <= 1``, ``level`` times drilled."""
+
+    shape: Literal["menger"]
+    level: Annotated[int, Field(ge=0, le=4)] = 2
+
+
+class Fir(Thing):
+    """A fir tree of height 1 standing on the origin: a trunk and ``tiers`` jagged cones."""
+
+    shape: Literal["fir"]
+    tiers: Annotated[int, Field(ge=1, le=16)] = 5
+    sides: Annotated[int, Field(ge=3, le=256)] = 32
+
+
+Object = Annotated[
+    Square | Cube | Sphere | Cylinder | Polyhedron | Mesh | Teapot | TorusKnot | Terrain | Menger | Fir,
+    Field(discriminator="shape"),
+]
+
+
+# ---------------------------------------------------------------- lights
+
+
+class Ambient(Description):
+    """Light from everywhere."""
+
+    type: Literal["ambient"]
+    colour: Colour = (0.2, 0.2, 0.2)
+
+
+class Directional(Description):
+    """Light from infinitely far away, travelling along ``direction`` (world space)."""
+
+    type: Literal["directional"]
+    direction: Vector
+    colour: Colour = (0.8, 0.8, 0.8)
+
+    @field_validator("direction")
+    @classmethod
+    def _is_not_zero(cls, direction: Vector) -> Vector:
+        if not any(direction):
+            raise ValueError("a direction of length 0 points nowhere")
+        return direction
+
+
+class Point(Description):
+    """Light from one point of the world, not weakened by distance."""
+
+    type: Literal["point"]
+    position: Vector
+    colour: Colour = (0.8, 0.8, 0.8)
+
+
+Light = Annotated[Ambient | Directional | Point, Field(discriminator="type")]
+
+
+# ---------------------------------------------------------------- the scene
+
+
+class Scene(Description):
+    """A scene file: cameras, objects, lights, and how finely curved shapes are cut.
+
+    ``segments`` is the number of sides that stand for a full circle wherever a method needs
+    polygons in place of a sphere or a cylinder.
+    """
+
+    hsr: Literal[1] = 1
+    title: str = ""
+    about: str = ""
+    background: Colour = (1.0, 1.0, 1.0)
+    segments: Annotated[int, Field(ge=3, le=1024)] = 48
+    camera: Annotated[tuple[Camera, ...], BeforeValidator(_as_tuple), Field(min_length=1)]
+    object: Annotated[tuple[Object, ...], BeforeValidator(_as_tuple), Field(min_length=1)]
+    light: Annotated[tuple[Light, ...], BeforeValidator(_as_tuple)] = ()
+    folder: Annotated[Path, Field(exclude=True)] = Path()
+
+    @model_validator(mode="after")
+    def _names_are_unique(self) -> Scene:
+        for kind, parts in (("camera", self.camera), ("object", self.object)):
+            names = [part.name for part in parts]
+            twice = sorted({name for name in names if names.count(name) > 1})
+            if twice:
+                raise ValueError(f"two {kind}s are named {twice[0]!r}; names must differ")
+        return self

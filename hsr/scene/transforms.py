@@ -1,0 +1,67 @@
+"""Affine transforms: named steps composed exactly and rounded once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from flint import arb, arb_mat, ctx, fmpq
+
+from hsr.arrays import Floats
+from hsr.scene.model import Step
+
+PRECISION = 256
+"""Bits carried while composing; the result is rounded to the 53 of float64 once."""
+
+AXES = {"rotate_x": 0, "rotate_y": 1, "rotate_z": 2}
+
+
+def compose(steps: Sequence[Step]) -> Floats:
+    """Compose steps, the first applied first, into one matrix.
+
+    Parameters
+    ----------
+    steps : sequence of Step
+
+    Returns
+    -------
+    (4, 4) float64
+        ``world_from_object``: sines and cosines included, every entry is the float64 nearest to
+        the true one. No steps give the identity.
+    """
+    if not steps:
+        return np.eye(4)
+    before, ctx.prec = ctx.prec, PRECISION
+    try:
+        product = _matrix_of(steps[0])
+        for step in steps[1:]:
+            product = _matrix_of(step) * product
+        return np.array([[float(product[i, j].mid()) for j in range(4)] for i in range(4)])
+    finally:
+        ctx.prec = before
+
+
+def _matrix_of(step: Step) -> arb_mat:
+    (key,) = step.model_fields_set
+    value = getattr(step, key)
+    if key == "matrix":
+        return arb_mat([list(row) for row in value])
+    matrix = arb_mat(4, 4, [int(i == j) for i in range(4) for j in range(4)])
+    if key == "translate":
+        for i in range(3):
+            matrix[i, 3] = arb(value[i])
+    elif key == "scale":
+        for i in range(3):
+            matrix[i, i] = arb(value[i])
+    else:
+        _rotate(matrix, AXES[key], value)
+    return matrix
+
+
+def _rotate(matrix: arb_mat, axis: int, degrees: float) -> None:
+    """Turn counter-clockwise about a coordinate axis, in the plane of the two axes that follow."""
+    half_turns = fmpq(*degrees.as_integer_ratio()) / 180
+    sine, cosine = arb.sin_cos_pi_fmpq(half_turns)
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    matrix[i, i] = matrix[j, j] = cosine
+    matrix[i, j], matrix[j, i] = -sine, sine

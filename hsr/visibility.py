@@ -1,0 +1,155 @@
+"""The answer of every method: which face owns each sample, and how deep it is."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+
+from hsr.arrays import Floats, Ints
+from hsr.errors import MapError
+
+BACKGROUND = -1
+"""The face id of a sample that no face owns."""
+
+FORMAT = 1
+"""The version of the map file."""
+
+
+@dataclass(frozen=True, eq=False)
+class VisibilityMap:
+    """Which face owns each sample of one view, as one method sees it.
+
+    Attributes
+    ----------
+    face : (H, W) int32
+        Face id of the owner of each sample, ``-1`` for the background. Row 0 is the top row.
+    depth : (H, W) float64
+        Depth of the owner in scene units along the view axis, ``+inf`` for the background.
+    method : str
+        The name under which the method is registered.
+    work : dict of str to int
+        What the method counted: faces, spans, rays, nodes and the like.
+    seconds : dict of str to float
+        Wall time by stage: ``prepare`` (and ``build``, ``read`` where a method has them), ``render``.
+    notes : dict of str to Any
+        What a person should know beside the numbers: the driver, whether culling was sufficient.
+    manifest : list of dict
+        One entry an object: ``name``, ``shape``, ``first`` (its first face id), ``count``, and
+        ``faces`` (their names; absent for meshes, whose faces are the triangles as read).
+    hashes : dict of str to str
+        SHA-256 of the ``scene``, the ``camera`` and the ``size`` that were rendered.
+    """
+
+    face: Ints
+    depth: Floats
+    method: str
+    work: dict[str, int] = field(default_factory=dict)
+    seconds: dict[str, float] = field(default_factory=dict)
+    notes: dict[str, Any] = field(default_factory=dict)
+    manifest: list[dict[str, Any]] = field(default_factory=list)
+    hashes: dict[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.face.ndim != 2 or self.face.shape != self.depth.shape:
+            raise MapError(
+                f"face {self.face.shape} and depth {self.depth.shape} must be one (H, W) grid"
+            )
+
+    @property
+    def height(self) -> int:
+        """Number of rows."""
+        return int(self.face.shape[0])
+
+    @property
+    def width(self) -> int:
+        """Number of columns."""
+        return int(self.face.shape[1])
+
+    def name_of(self, face: int) -> str:
+        """Return what a person calls a face: ``cube.top``, ``bunny#18211`` or ``background``."""
+        for entry in self.manifest:
+            offset = face - int(entry["first"])
+            if 0 <= offset < int(entry["count"]):
+                return face_name(entry, offset)
+        return "background" if face == BACKGROUND else f"unknown face {face}"
+
+    def save(self, path: str | Path) -> None:
+        """Write the map as ``.npz``: the same answer gives the same bytes.
+
+        Times are left out for that reason; everything else is read back by :func:`load_map`.
+
+        Raises
+        ------
+        MapError
+            If the file cannot be written.
+        """
+        meta = {
+            "hsr": FORMAT,
+            "method": self.method,
+            "work": self.work,
+            "notes": self.notes,
+            "manifest": self.manifest,
+            "hashes": self.hashes,
+        }
+        text = json.dumps(meta, sort_keys=True, separators=(",", ":"))
+        try:
+            with Path(path).open("wb") as file:
+                np.savez_compressed(
+                    file, face=self.face, depth=self.depth, meta=np.array(text, dtype=np.str_)
+                )
+        except OSError as error:
+            raise MapError(f"{path}: cannot write the map: {error.strerror}") from error
+
+
+def face_name(entry: Mapping[str, Any], offset: int) -> str:
+    """Name the face at ``offset`` within one object's manifest entry."""
+    names = entry.get("faces")
+    if not names:
+        return f"{entry['name']}#{offset}"
+    return str(entry["name"]) if len(names) == 1 else f"{entry['name']}.{names[offset]}"
+
+
+def load_map(path: str | Path) -> VisibilityMap:
+    """Read a map that :meth:`VisibilityMap.save` wrote.
+
+    Raises
+    ------
+    MapError
+        If the file is missing, or is not a map of this version.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            face, depth, meta = file["face"], file["depth"], json.loads(str(file["meta"]))
+    except FileNotFoundError:
+        raise MapError(f"{path}: no such file; write one with 'hsr render SCENE -o {path}'") from None
+    except (OSError, ValueError, KeyError, TypeError, BadZipFile, EOFError) as error:
+        raise MapError(f"{path}: not a visibility map ({error})") from error
+    if not isinstance(meta, dict) or meta.get("hsr") != FORMAT:
+        raise MapError(f"{path}: not a visibility map of version {FORMAT}; render it again")
+    if face.dtype != np.int32 or depth.dtype != np.float64:
+        raise MapError(f"{path}: face must be int32 and depth float64, not {face.dtype}, {depth.dtype}")
+    return VisibilityMap(
+        face, depth, meta["method"], meta["work"], {}, meta["notes"], meta["manifest"], meta["hashes"]
+    )
+
+
+class Clock:
+    """Wall time by named stage."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+
+    @contextmanager
+    def __call__(self, stage: str) -> Iterator[None]:
+        """Add the time of the ``with`` block to ``stage``."""
+        start = time.perf_counter()
+        yield
+        self.seconds[stage] = self.seconds.get(stage, 0.0) + time.perf_counter() - start
