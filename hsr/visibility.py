@@ -40,7 +40,8 @@ class VisibilityMap:
     seconds : dict of str to float
         Wall time by stage: ``prepare`` (and ``build``, ``read`` where a method has them), ``render``.
     notes : dict of str to Any
-        What a person should know beside the numbers: the driver, whether culling was sufficient.
+        What a person should know beside the numbers: the driver, whether culling was sufficient;
+        ``depth_format``, see :func:`depth_format`. JSON values only.
     manifest : list of dict
         One entry an object: ``name``, ``shape``, ``first`` (its first face id), ``count``, and
         ``faces`` (their names; absent for meshes, whose faces are the triangles as read).
@@ -139,6 +140,21 @@ def load_map(path: str | Path) -> VisibilityMap:
     return VisibilityMap(
         face, depth, meta["method"], meta["work"], {}, meta["notes"], meta["manifest"], meta["hashes"]
     )
+
+
+def depth_format(stored: str, step: float, near: float, far: float) -> dict[str, Any]:
+    """Describe how a method stored its depths, for the note ``depth_format`` of its map.
+
+    Parameters
+    ----------
+    stored : {"window", "distance"}
+        ``window``: affine on the screen, 0 at near and 1 at far; ``distance``: along the view axis.
+    step : float
+        Distance of neighbouring values: of 1 (window), or relative to the depth (distance).
+    near, far : float
+        Of the view; far may be infinite, then it is noted as None.
+    """
+    return {"stored": stored, "step": step, "near": near, "far": far if far < float("inf") else None}
 
 
 class Clock:
