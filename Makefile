@@ -1,0 +1,65 @@
+# make lab    set up, compare all built-in scenes by all methods, write and name the report
+# make test   set up, then lint, types, import rules, tests (with the JIT and without)
+# make proof  the long run: every scene, many sizes; MESHES=DIR adds real meshes
+# make clean  remove the environment and generated reports
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+REPORT ?= reports/lab.html
+SIZE ?= 512x512
+ROOT := $(shell [ "$$(id -u)" = 0 ] || echo "sudo -n")
+APT := $(ROOT) env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0
+
+# Install Debian packages where that is possible without asking; say what to type where it is not.
+install = $(APT) update >/dev/null 2>&1 && $(APT) install -y --no-install-recommends $(1) >/dev/null 2>&1 \
+	|| echo "not installed: $(1); for $(2) run: apt-get install -y --no-install-recommends $(1)"
+
+.PHONY: lab test proof clean opengl browser
+
+lab: $(VENV)/lab.stamp opengl
+	@$(BIN)/hsr compare scenes/*.toml --size $(SIZE) -o $(REPORT)
+
+test: $(VENV)/test.stamp opengl browser
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/pytest -n 2
+	NUMBA_DISABLE_JIT=1 $(BIN)/pytest -n 2 tests/kernels tests/algorithms
+
+
+proof: $(VENV)/test.stamp opengl
+	$(BIN)/python -m tests.proof $(if $(MESHES),--meshes $(MESHES)) -o reports/proof.md
+
+$(VENV)/bin/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
+		|| { echo "Python 3.11 or newer is needed; name one with: make PYTHON=python3.12 lab"; exit 1; }
+	@$(PYTHON) -m venv $(VENV) 2>/dev/null \
+		|| { $(call install,python3-venv,the environment); $(PYTHON) -m venv $(VENV); }
+
+$(VENV)/lab.stamp: pyproject.toml | $(VENV)/bin/python
+	@echo "installing the packages of pyproject.toml into $(VENV) (once, a minute or two)"
+	@$(BIN)/python -m pip install -q --disable-pip-version-check -e .
+	@$(BIN)/python -m pip install -q --disable-pip-version-check -e '.[embree]' \
+		|| echo "no Embree for this platform: its columns will say so"
+	@touch $@
+
+$(VENV)/test.stamp: $(VENV)/lab.stamp
+	@$(BIN)/python -m pip install -q --disable-pip-version-check -e '.[dev]'
+	@touch $@
+
+opengl:
+	@ldconfig -p 2>/dev/null | grep -q libOSMesa || { command -v apt-get >/dev/null || exit 0; \
+		echo "installing OSMesa, the OpenGL that needs no display"; \
+		$(call install,libosmesa6,OpenGL); \
+		ldconfig -p | grep -q -e libOSMesa -e libEGL_mesa \
+		|| { $(call install,libegl1 libgl1 libgl1-mesa-dri,OpenGL); }; }
+
+browser:
+	@command -v chromium >/dev/null || { command -v apt-get >/dev/null || exit 0; \
+		echo "installing Chromium, in which the report is tested"; \
+		$(call install,chromium,the browser tests); }
+
+clean:
+	rm -rf $(VENV) reports/lab.html

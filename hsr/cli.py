@@ -1,0 +1,444 @@
+"""The command ``hsr``.
+
+Exit codes: 0 done or same, 1 differs, 2 usage or input, 3 what was asked for by name (OpenGL,
+Embree) is missing. Results go to standard output, everything else to standard error.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from hsr import __version__
+from hsr.errors import HsrError, UnavailableError
+
+if TYPE_CHECKING:
+    from hsr.difference.study import Study
+    from hsr.viewing import View
+    from hsr.visibility import VisibilityMap
+
+DIFFERS, USAGE, MISSING = 1, 2, 3
+
+app = typer.Typer(
+    help="Which surface does the eye see at each pixel? Every classic method, compared sample by sample.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+scene_app = typer.Typer(help="Check and describe scene files.", no_args_is_help=True)
+app.add_typer(scene_app, name="scene")
+
+out = Console(highlight=False)
+err = Console(stderr=True, highlight=False)
+
+Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes.")]
+Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Also print work counts and clusters.")]
+Methods = Annotated[
+    list[str] | None, typer.Option("--method", "-a", help="Method, repeatable; 'hsr algos' lists them.")
+]
+Size = Annotated[str, typer.Option("--size", help="Image size in pixels, WxH or N.")]
+CameraName = Annotated[str | None, typer.Option("--camera", help="Camera; the scene's first by default.")]
+
+
+def main() -> None:
+    """Run the command; turn every expected error into one line and an exit code."""
+    try:
+        app()
+    except UnavailableError as error:
+        _fail(error, MISSING)
+    except HsrError as error:
+        _fail(error, USAGE)
+
+
+def _fail(error: HsrError, code: int) -> None:
+    for line in str(error).splitlines():
+        err.print(f"hsr: {line}", markup=False, soft_wrap=True)
+    sys.exit(code)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        out.print(f"hsr {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+# ---------------------------------------------------------------- render
+
+
+@app.command()
+def render(
+    scene: Annotated[Path, typer.Argument(help="Scene (TOML, JSON) or mesh file.")],
+    method: Methods = None,
+    size: Size = "512x512",
+    camera: CameraName = None,
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="Write the map, .npz.")] = None,
+    png: Annotated[Path | None, typer.Option("--png", help="Write the shaded picture.")] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Render one scene and say what is seen.
+
+    With several methods the files are named after them: map.npz becomes map.zbuffer.npz.
+    """
+    import hsr
+
+    view = hsr.view(hsr.load(scene), _size(size), camera)
+    names = method or ["zbuffer"]
+    rows = []
+    with _progress(quiet, len(names)) as step:
+        for name in names:
+            step(name)
+            answer = hsr.render(view, name)
+            files = _write_render(view, answer, output, png, several=len(names) > 1)
+            rows.append(_summary(answer) | {"files": files})
+    if as_json:
+        return _print_json({"hsr": 1, "scene": str(scene), "maps": rows})
+    _print_renders(rows, verbose)
+
+
+def _write_render(
+    view: View, answer: VisibilityMap, output: Path | None, png: Path | None, several: bool
+) -> list[str]:
+    """Write what was asked for; with several methods each file carries its method's name."""
+    written = []
+    if output is not None:
+        path = _named(output, answer.method, several)
+        answer.save(path)
+        written.append(str(path))
+    if png is not None:
+        from hsr.shading import save_picture, shade
+
+        path = _named(png, answer.method, several)
+        save_picture(shade(answer, view), path)
+        written.append(str(path))
+    return written
+
+
+def _named(path: Path, method: str, several: bool) -> Path:
+    return path.with_name(f"{path.stem}.{method}{path.suffix}") if several else path
+
+
+def _summary(answer: VisibilityMap) -> dict[str, Any]:
+    import numpy as np
+
+    covered = answer.face >= 0
+    return {
+        "method": answer.method,
+        "size": [answer.width, answer.height],
+        "covered": int(covered.sum()),
+        "faces_seen": len(np.unique(answer.face[covered])),
+        "nearest": float(answer.depth.min()) if covered.any() else None,
+        "seconds": answer.seconds,
+        "work": answer.work,
+        "notes": answer.notes,
+    }
+
+
+def _print_renders(rows: Sequence[dict[str, Any]], verbose: bool) -> None:
+    table = _table("method", "covered", "faces seen", "nearest", "render")
+    for row in rows:
+        pixels = row["size"][0] * row["size"][1]
+        nearest = "-" if row["nearest"] is None else f"{row['nearest']:.6g}"
+        share = f"{row['covered'] / pixels:.1%}"
+        table.add_row(row["method"], share, f"{row['faces_seen']:,}", nearest, _time(row["seconds"]))
+    out.print(table)
+    for row in rows:
+        if verbose:
+            counts = ", ".join(f"{name} {count:,}" for name, count in row["work"].items())
+            out.print(f"{row['method']}: {counts}", markup=False, soft_wrap=True)
+        for file in row["files"]:
+            out.print(f"wrote {file}", markup=False, soft_wrap=True)
+
+
+# ---------------------------------------------------------------- compare
+
+
+@app.command()
+def compare(
+    scenes: Annotated[list[Path], typer.Argument(help="Scenes or mesh files.")],
+    method: Methods = None,
+    ref: Annotated[
+        str | None, typer.Option("--ref", help="Reference method; OpenGL where there is one.")
+    ] = None,
+    size: Size = "512x512",
+    camera: CameraName = None,
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="Write the report, .html.")] = None,
+    fail_on: Annotated[
+        str | None, typer.Option("--fail-on", help="Classes of difference, comma separated: then exit 1.")
+    ] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Render scenes by many methods and compare every visibility map with the reference.
+
+    Without -a every method takes part; those that test each face at each sample sit out scenes
+    that would keep them busy for minutes.
+    """
+    import hsr
+    from hsr.difference.classes import DIFFERENT
+    from hsr.difference.study import default_reference, study
+
+    forbidden = _classes(fail_on, DIFFERENT)
+    loaded = [(path, hsr.load(path)) for path in scenes]
+    names = method or list(hsr.methods())
+    reference = ref or default_reference(names)
+    studies = []
+    with _progress(quiet, len(loaded) * len({*names, reference})) as step:
+        for path, scene in loaded:
+            found = study(
+                scene,
+                names,
+                reference,
+                _size(size),
+                camera,
+                name=path.stem,
+                patient=method is not None,
+                progress=lambda name, path=path: step(f"{path.stem}: {name}"),  # type: ignore[misc]
+            )
+            studies.append(found)
+    _require(studies, {*(method or ()), *([ref] if ref else ())})
+    if output is not None:
+        from hsr.report.page import write_report
+
+        write_report(studies, output)
+    if as_json:
+        _print_json({"hsr": 1, "studies": [found.to_json() for found in studies]})
+    else:
+        _print_studies(studies, verbose)
+        if output is not None:
+            out.print(f"report: {output}", markup=False, soft_wrap=True)
+    if any(_meets(found, forbidden) for found in studies):
+        raise typer.Exit(DIFFERS)
+
+
+def _classes(text: str | None, known: Sequence[str]) -> tuple[str, ...]:
+    names = tuple(name.strip() for name in (text or "").split(",") if name.strip())
+    for name in names:
+        if name not in known:
+            raise typer.BadParameter(f"--fail-on: no class {name!r}; there are {', '.join(known)}")
+    return names
+
+
+def _meets(found: Study, forbidden: Sequence[str]) -> bool:
+    return any(
+        difference.counts[name] > 0 for difference in found.differences.values() for name in forbidden
+    )
+
+
+def _require(studies: Sequence[Study], asked: set[str]) -> None:
+    """A method asked for by name and missing on this machine is an error, not a skipped column."""
+    for found in studies:
+        for name in asked & found.missing:
+            raise UnavailableError(found.skipped[name])
+
+
+def _print_studies(studies: Sequence[Study], verbose: bool) -> None:
+    for reference in dict.fromkeys(found.reference for found in studies):
+        part = [found for found in studies if found.reference == reference]
+        names = list(dict.fromkeys(name for found in part for name in found.methods))
+        table = _table("scene", *names, title=f"samples that differ from {reference}, and render time")
+        for found in part:
+            table.add_row(found.name, *(_cell(found, name) for name in names))
+        out.print(table)
+    for found in studies:
+        if verbose:
+            for difference in found.differences.values():
+                out.print(f"{found.name}: {difference.summary()}", markup=False, soft_wrap=True)
+
+
+def _cell(found: Study, name: str) -> str:
+    if name in found.skipped:
+        return "[dim]skipped[/dim]" if name not in found.missing else "[dim]not available[/dim]"
+    if name not in found.maps:
+        return ""
+    time = f"[dim]{_time(found.maps[name].seconds)}[/dim]"
+    if name not in found.differences:
+        return f"[dim]reference[/dim]\n{time}"
+    return f"{found.differences[name].different:,}\n{time}"
+
+
+# ---------------------------------------------------------------- diff
+
+
+@app.command()
+def diff(
+    a: Annotated[Path, typer.Argument(help="Map, .npz.")],
+    b: Annotated[Path, typer.Argument(help="Map to judge it against, .npz.")],
+    as_json: Json = False,
+    verbose: Verbose = False,
+) -> None:
+    """Compare two visibility maps; exit 1 if any sample shows another face."""
+    import hsr
+
+    difference = hsr.compare(hsr.load_map(a), hsr.load_map(b))
+    if as_json:
+        _print_json({"hsr": 1, "a": str(a), "b": str(b), **difference.to_json()})
+    else:
+        out.print(difference.summary(clusters=None if verbose else 5), markup=False, soft_wrap=True)
+    if not difference.same:
+        raise typer.Exit(DIFFERS)
+
+
+# ---------------------------------------------------------------- algos, doctor
+
+
+@app.command()
+def algos(as_json: Json = False) -> None:
+    """List the methods."""
+    from hsr.algorithms.registry import methods
+
+    known = methods().values()
+    if as_json:
+        rows = [{"name": m.name, "about": m.about, "curved": m.curved, "needs": m.needs} for m in known]
+        return _print_json({"hsr": 1, "methods": rows})
+    table = _table("method", "curved shapes", "needs", "what it does", right=())
+    for known_method in known:
+        curved = "exact" if known_method.curved else "tessellated"
+        table.add_row(known_method.name, curved, known_method.needs or "-", known_method.about)
+    out.print(table)
+
+
+@app.command()
+def doctor(as_json: Json = False) -> None:
+    """Try every OpenGL backend and optional library, and say what to install."""
+    from hsr.doctor import diagnose, lines
+
+    found = diagnose()
+    if as_json:
+        return _print_json(found)
+    for line in lines(found):
+        out.print(line, markup=False, soft_wrap=True)
+
+
+# ---------------------------------------------------------------- scene
+
+
+@scene_app.command()
+def check(
+    files: Annotated[list[Path], typer.Argument(help="Scene or mesh files.")],
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Check scene files; all errors of all files at once, exit 2 if there are any."""
+    import hsr
+    from hsr.errors import SceneError
+
+    problems: dict[str, list[str]] = {}
+    for file in files:
+        try:
+            hsr.load(file)
+            problems[str(file)] = []
+        except SceneError as error:
+            problems[str(file)] = list(error.problems)
+    if as_json:
+        _print_json({"hsr": 1, "problems": problems})
+    elif not quiet:
+        for name, found in problems.items():
+            out.print("\n".join(found) if found else f"{name}: ok", markup=False, soft_wrap=True)
+    if any(problems.values()):
+        raise typer.Exit(USAGE)
+
+
+@scene_app.command()
+def info(
+    file: Annotated[Path, typer.Argument(help="Scene or mesh file.")],
+    size: Size = "512x512",
+    as_json: Json = False,
+) -> None:
+    """Say what is in a scene: objects, faces, bounds, cameras, where culling would be lossless."""
+    import hsr
+    from hsr.scene.info import describe, lines
+
+    found = describe(hsr.load(file), _size(size))
+    if as_json:
+        return _print_json(found)
+    for line in lines(found):
+        out.print(line, markup=False, soft_wrap=True)
+
+
+@scene_app.command()
+def schema(
+    file: Annotated[Path | None, typer.Argument(help="File to write; standard output by default.")] = None,
+) -> None:
+    """Print the JSON Schema of scene files, for editors."""
+    from hsr.scene.info import schema as scene_schema
+
+    text = json.dumps(scene_schema(), indent=2)
+    if file is None:
+        print(text)
+        return
+    try:
+        file.write_text(text + "\n", encoding="utf-8")
+    except OSError as error:
+        raise HsrError(f"{file}: cannot write the schema: {error.strerror}") from error
+
+
+# ---------------------------------------------------------------- shared
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, _, height = text.lower().partition("x")
+    try:
+        return int(width), int(height or width)
+    except ValueError:
+        raise typer.BadParameter(f"--size {text!r}: write WIDTHxHEIGHT, such as 640x480") from None
+
+
+def _table(*columns: str, title: str | None = None, right: Sequence[str] | None = None) -> Table:
+    """Return a plain table; all columns but the first are numbers unless ``right`` names them."""
+    table = Table(title=title, box=None, pad_edge=False, title_justify="left")
+    numbers = columns[1:] if right is None else right
+    for column in columns:
+        table.add_column(column, justify="right" if column in numbers else "left")
+    return table
+
+
+def _time(seconds: dict[str, float]) -> str:
+    return f"{1e3 * seconds.get('render', 0.0):.1f} ms"
+
+
+def _print_json(value: Any) -> None:
+    print(json.dumps(value, indent=2))
+
+
+@contextmanager
+def _progress(quiet: bool, total: int) -> Iterator[Callable[[str], None]]:
+    """Show a bar on standard error when it is a terminal; the yielded function starts a step."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
+    with Progress(*columns, console=err, transient=True, disable=quiet or not err.is_terminal) as bar:
+        task = bar.add_task("", total=total)
+        started = False
+
+        def step(name: str) -> None:
+            nonlocal started
+            bar.update(task, description=name, advance=int(started))
+            started = True
+
+        yield step
+
+
+if __name__ == "__main__":
+    main()
