@@ -1,4 +1,4 @@
-"""hsr, a hidden-surface comparison lab: which surface does the eye see at each pixel?"""
+"""A hidden-surface comparison lab: every classic visibility method, compared sample by sample."""
 
 from __future__ import annotations
 

@@ -112,8 +112,9 @@ def render(
             files = _write_render(view, answer, output, png, several=len(names) > 1)
             rows.append(_summary(answer) | {"files": files})
     if as_json:
-        return _print_json({"hsr": 1, "scene": str(scene), "maps": rows})
-    _print_renders(rows, verbose)
+        _print_json({"hsr": 1, "scene": str(scene), "maps": rows})
+    else:
+        _print_renders(rows, verbose)
 
 
 def _write_render(
@@ -214,7 +215,7 @@ def compare(
                 camera,
                 name=path.stem,
                 patient=method is not None,
-                progress=lambda name, path=path: step(f"{path.stem}: {name}"),  # type: ignore[misc]
+                progress=step,
             )
             studies.append(found)
     _require(studies, {*(method or ()), *([ref] if ref else ())})
@@ -241,13 +242,11 @@ def _classes(text: str | None, known: Sequence[str]) -> tuple[str, ...]:
 
 
 def _meets(found: Study, forbidden: Sequence[str]) -> bool:
-    return any(
-        difference.counts[name] > 0 for difference in found.differences.values() for name in forbidden
-    )
+    return any(difference.counts[name] > 0 for difference in found.differences.values() for name in forbidden)
 
 
 def _require(studies: Sequence[Study], asked: set[str]) -> None:
-    """A method asked for by name and missing on this machine is an error, not a skipped column."""
+    """Raise if a method asked for by name is missing here: that is no mere skipped column."""
     for found in studies:
         for name in asked & found.missing:
             raise UnavailableError(found.skipped[name])
@@ -311,7 +310,8 @@ def algos(as_json: Json = False) -> None:
     known = methods().values()
     if as_json:
         rows = [{"name": m.name, "about": m.about, "curved": m.curved, "needs": m.needs} for m in known]
-        return _print_json({"hsr": 1, "methods": rows})
+        _print_json({"hsr": 1, "methods": rows})
+        return
     table = _table("method", "curved shapes", "needs", "what it does", right=())
     for known_method in known:
         curved = "exact" if known_method.curved else "tessellated"
@@ -326,7 +326,8 @@ def doctor(as_json: Json = False) -> None:
 
     found = diagnose()
     if as_json:
-        return _print_json(found)
+        _print_json(found)
+        return
     for line in lines(found):
         out.print(line, markup=False, soft_wrap=True)
 
@@ -372,7 +373,8 @@ def info(
 
     found = describe(hsr.load(file), _size(size))
     if as_json:
-        return _print_json(found)
+        _print_json(found)
+        return
     for line in lines(found):
         out.print(line, markup=False, soft_wrap=True)
 

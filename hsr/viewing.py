@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from hsr.arrays import Bools, Floats, Ints
+from hsr.arrays import Floats, Ints
 from hsr.errors import ViewError
 from hsr.scene.files import shape_of
 from hsr.scene.model import (
@@ -193,11 +193,8 @@ class View:
 
     @cached_property
     def _tessellated(self) -> View:
-        def planar(placement: Placement) -> Placement:
-            shape = placement.shape
-            return replace(placement, shape=tessellated(shape.kind, self.segments)) if shape.curved else placement
-
-        return replace(self, placements=tuple(planar(placement) for placement in self.placements))
+        placements = [_planar(placement, self.segments) for placement in self.placements]
+        return replace(self, placements=tuple(placements))
 
     @cached_property
     def polygons(self) -> WorldPolygons:
@@ -363,14 +360,12 @@ def _from_matrix(camera: MatrixCamera) -> Projection:
         near = -b / (a + scale)
         far = b / (scale - a) if a < scale else math.inf
         if not 0.0 < near < far:
-            raise ViewError(
-                f"camera {camera.name!r}: near {near:g} and far {far:g}; needed 0 < near < far"
-            )
+            raise ViewError(f"camera {camera.name!r}: near {near:g} and far {far:g}; needed 0 < near < far")
         return clip, depth_row, near, far
     if w_row[3] <= 0.0:
         raise ViewError(f"camera {camera.name!r}: w of a parallel matrix must be positive")
     scale = float(np.linalg.norm(z_row[:3]))
-    depth_row = (z_row + [0.0, 0.0, 0.0, w_row[3]]) / scale
+    depth_row = (z_row + np.array([0.0, 0.0, 0.0, w_row[3]])) / scale
     return clip, depth_row, 0.0, 2.0 * w_row[3] / scale
 
 
@@ -432,6 +427,11 @@ def _manifest_entry(placement: Placement) -> dict[str, Any]:
 
 
 # ---------------------------------------------------------------- world space
+
+
+def _planar(placement: Placement, segments: int) -> Placement:
+    kind = placement.shape.kind
+    return replace(placement, shape=tessellated(kind, segments)) if placement.shape.curved else placement
 
 
 def _in_world(placement: Placement) -> WorldPolygons:

@@ -60,9 +60,7 @@ class VisibilityMap:
 
     def __post_init__(self) -> None:
         if self.face.ndim != 2 or self.face.shape != self.depth.shape:
-            raise MapError(
-                f"face {self.face.shape} and depth {self.depth.shape} must be one (H, W) grid"
-            )
+            raise MapError(f"face {self.face.shape} and depth {self.depth.shape} must be one (H, W) grid")
 
     @property
     def height(self) -> int:
@@ -127,8 +125,8 @@ def load_map(path: str | Path) -> VisibilityMap:
         If the file is missing, or is not a map of this version.
     """
     try:
-        with np.load(path, allow_pickle=False) as file:
-            face, depth, meta = file["face"], file["depth"], json.loads(str(file["meta"]))
+        with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+            face, depth, meta = arrays["face"], arrays["depth"], json.loads(str(arrays["meta"]))
     except FileNotFoundError:
         raise MapError(f"{path}: no such file; write one with 'hsr render SCENE -o {path}'") from None
     except (OSError, ValueError, KeyError, TypeError, BadZipFile, EOFError) as error:

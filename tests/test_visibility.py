@@ -21,7 +21,9 @@ def small_map(**changes: object) -> VisibilityMap:
     face = np.array([[-1, 0, 6], [7, 106, 5]], dtype=np.int32)
     depth = np.where(face < 0, np.inf, face + 1.5)
     values = {"method": "zbuffer", "work": {"fragments": 5}, "seconds": {"render": 0.1}}
-    return VisibilityMap(face, depth, **{**values, "manifest": MANIFEST, "hashes": {"scene": "ab"}, **changes})
+    return VisibilityMap(
+        face, depth, **{**values, "manifest": MANIFEST, "hashes": {"scene": "ab"}, **changes}
+    )
 
 
 def test_size_is_columns_by_rows() -> None:

@@ -57,9 +57,7 @@ class Method:
         known = [option.name for option in fields(defaults)]
         for name in overrides:
             if name not in known:
-                raise MethodError(
-                    f"{self.name} has no option {name!r}; it has {', '.join(known) or 'none'}"
-                )
+                raise MethodError(f"{self.name} has no option {name!r}; it has {', '.join(known) or 'none'}")
         return defaults(**{**self.settings, **overrides})
 
     def render(self, view: View, **overrides: Any) -> VisibilityMap:
@@ -90,7 +88,9 @@ BUILT_IN = (
         "hsr.algorithms.zbuffer",
         {"arithmetic": "float32", "stepping": "direct"},
     ),
-    Method("raycast", "ray casting, coherent tiles of rays in a hierarchy", "hsr.algorithms.raycast", {}, True),
+    Method(
+        "raycast", "ray casting, coherent tiles of rays", "hsr.algorithms.raycast", {}, True
+    ),
     Method(
         "raycast-single",
         "ray casting, one ray at a time through extents and hierarchies",

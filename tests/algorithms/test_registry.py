@@ -108,7 +108,9 @@ def test_other_packages_register_methods(monkeypatch: pytest.MonkeyPatch, make_s
         def load(self) -> Any:
             return ours
 
-    monkeypatch.setattr(registry, "entry_points", lambda group: [Entry()] if group == "hsr.algorithms" else [])
+    monkeypatch.setattr(
+        registry, "entry_points", lambda group: [Entry()] if group == "hsr.algorithms" else []
+    )
     methods.cache_clear()
     try:
         assert hsr.render(make_scene(CUBE), "theirs", size=(8, 8)).method == "theirs"
