@@ -1,0 +1,220 @@
+"""The command line: what it prints, what it writes, how it ends."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import hsr
+from hsr import cli
+
+CUBE = "scenes/cube.toml"
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, scenes: Path) -> Any:
+    """Run the command in this process: ``run("render", ...) -> (exit code, stdout, stderr)``."""
+
+    def call(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.chdir(scenes.parent)
+        monkeypatch.setattr(sys, "argv", ["hsr", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+            raise SystemExit(0)
+        captured = capsys.readouterr()
+        return int(ended.value.code or 0), captured.out, captured.err
+
+    return call
+
+
+def test_help_is_quick() -> None:
+    def seconds() -> float:
+        start = time.perf_counter()
+        subprocess.run([sys.executable, "-m", "hsr.cli", "--help"], check=True, capture_output=True)
+        return time.perf_counter() - start
+
+    loaded = subprocess.run(
+        [sys.executable, "-c", "import sys, hsr.cli; print(*sys.modules)"], check=True, capture_output=True
+    ).stdout.decode()
+    for heavy in ("numba", "trimesh", "matplotlib", "moderngl", "scipy", "numpy"):
+        assert heavy not in loaded.split()
+    assert min(seconds() for _ in range(3)) < 2.0  # 0.15 s on an idle machine; this only catches the absurd
+
+
+def test_version(run: Any) -> None:
+    assert run("--version")[:2] == (0, f"hsr {hsr.__version__}\n")
+
+
+def test_render_writes_map_and_picture(run: Any, tmp_path: Path) -> None:
+    target, picture = tmp_path / "map.npz", tmp_path / "cube.png"
+    code, out, _ = run("render", CUBE, "--size", "40x30", "-o", str(target), "--png", str(picture))
+    assert code == 0 and "zbuffer" in out and f"wrote {target}" in out
+    assert hsr.load_map(target).face.shape == (30, 40)
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_render_names_files_after_methods(run: Any, tmp_path: Path) -> None:
+    code, _, _ = run(
+        "render", CUBE, "--size", "16", "-a", "zbuffer", "-a", "raycast", "-o", str(tmp_path / "m.npz")
+    )
+    assert code == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["m.raycast.npz", "m.zbuffer.npz"]
+
+
+def test_render_json(run: Any) -> None:
+    code, out, _ = run("render", CUBE, "--size", "16", "--json")
+    (row,) = json.loads(out)["maps"]
+    assert code == 0 and row["method"] == "zbuffer" and row["size"] == [16, 16] and row["faces_seen"] == 3
+
+
+def test_diff_of_equal_maps_is_0(run: Any, tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        run("render", CUBE, "--size", "16", "-o", str(tmp_path / f"{name}.npz"))
+    code, out, _ = run("diff", str(tmp_path / "a.npz"), str(tmp_path / "b.npz"))
+    assert code == 0 and "0 differ" in out
+
+
+def test_diff_of_other_faces_is_1(run: Any, tmp_path: Path) -> None:
+    run("render", CUBE, "--size", "16", "-o", str(tmp_path / "a.npz"))
+    answer = hsr.load_map(tmp_path / "a.npz")
+    answer.face[8, 8] = 1
+    answer.save(tmp_path / "b.npz")
+    code, out, _ = run("diff", str(tmp_path / "a.npz"), str(tmp_path / "b.npz"))
+    assert code == 1 and "1 differ" in out
+    code, out, _ = run("diff", str(tmp_path / "a.npz"), str(tmp_path / "b.npz"), "--json")
+    assert code == 1 and json.loads(out)["counts"]["wrong face"] == 1
+
+
+def test_diff_of_other_sizes_is_2(run: Any, tmp_path: Path) -> None:
+    for side in ("8", "16"):
+        run("render", CUBE, "--size", side, "-o", str(tmp_path / f"{side}.npz"))
+    code, _, problem = run("diff", str(tmp_path / "8.npz"), str(tmp_path / "16.npz"))
+    assert code == 2 and problem.startswith("hsr: ") and "8x8" in problem and "16x16" in problem
+
+
+def test_compare_writes_a_report(run: Any, tmp_path: Path) -> None:
+    report = tmp_path / "report.html"
+    code, out, _ = run(
+        "compare",
+        CUBE,
+        "--size",
+        "24",
+        "-a",
+        "zbuffer",
+        "-a",
+        "raycast",
+        "--ref",
+        "zbuffer",
+        "-o",
+        str(report),
+    )
+    assert code == 0 and f"report: {report}" in out
+    assert report.read_text(encoding="utf-8").lstrip().lower().startswith("<!doctype html>")
+
+
+def test_compare_json(run: Any) -> None:
+    code, out, _ = run("compare", CUBE, "--size", "24", "-a", "raycast", "--ref", "zbuffer", "--json")
+    (study,) = json.loads(out)["studies"]
+    assert code == 0 and study["reference"] == "zbuffer"
+
+
+def test_compare_fails_on_a_class_it_meets(run: Any) -> None:
+    arguments = ("compare", "scenes/convex-behind.toml", "--size", "24", "-a", "backface", "--ref", "zbuffer")
+    assert run(*arguments)[0] == 0
+    assert run(*arguments, "--fail-on", "wrong face")[0] == 1
+    assert run(*arguments, "--fail-on", "missing,extra")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (("render", "none.toml"), "none.toml"),
+        (("render", CUBE, "-a", "zbufer"), "no method is named 'zbufer'"),
+        (("render", CUBE, "--camera", "left"), "no camera is named 'left'"),
+        (("render", CUBE, "--size", "0x5"), "size 0x5: width and height must be from 1"),
+        (("render", CUBE, "--size", "16", "-o", "no/folder/map.npz"), "cannot write the map"),
+        (("render", CUBE, "--size", "16", "--png", "no/folder/a.png"), "no/folder/a.png"),
+        (("compare", CUBE, "-a", "raycats"), "no method is named 'raycats'"),
+        (("compare", CUBE, "--ref", "truth"), "no method is named 'truth'"),
+        (("compare", CUBE, "--size", "8", "-a", "zbuffer", "-o", "no/folder/r.html"), "no/folder/r.html"),
+        (("diff", "none.npz", "none.npz"), "none.npz: no such file"),
+        (("scene", "info", "none.toml"), "none.toml"),
+        (("scene", "schema", "no/folder/schema.json"), "cannot write the schema"),
+    ],
+)
+def test_bad_input_is_one_clear_line_and_2(run: Any, arguments: tuple[str, ...], line: str) -> None:
+    code, out, problem = run(*arguments)
+    assert code == 2 and out == ""
+    assert problem.count("\n") == 1 and line in problem and problem.startswith("hsr: ")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("render", CUBE, "--size", "big"), "WIDTHxHEIGHT"),
+        (("compare", CUBE, "--fail-on", "blurred"), "blurred"),
+        (("compare",), "Missing argument"),
+        (("paint",), "No such command"),
+    ],
+)
+def test_usage_errors_are_2(run: Any, arguments: tuple[str, ...], words: str) -> None:
+    code, _, problem = run(*arguments)
+    assert code == 2 and words in problem
+
+
+def test_missing_opengl_is_3_only_when_asked_for(run: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    from hsr.algorithms import opengl
+    from hsr.errors import UnavailableError
+
+    def no_driver(*_arguments: Any, **_options: Any) -> Any:
+        raise UnavailableError("no OpenGL here; run 'hsr doctor'")
+
+    monkeypatch.setattr(opengl, "render", no_driver)
+    assert run("render", CUBE, "--size", "8", "-a", "opengl")[0] == 3
+    assert run("compare", CUBE, "--size", "8", "-a", "zbuffer", "--ref", "opengl")[0] == 3
+    code, out, _ = run("compare", CUBE, "--size", "8")
+    assert code == 0 and "not available" in out
+
+
+def test_algos_lists_every_method(run: Any) -> None:
+    code, out, _ = run("algos", "--json")
+    assert code == 0
+    assert [row["name"] for row in json.loads(out)["methods"]] == list(hsr.methods())
+    assert "raycast-list" in run("algos")[1]
+
+
+def test_scene_check(run: Any, tmp_path: Path) -> None:
+    bad = tmp_path / "bad.toml"
+    bad.write_text('hsr = 1\ncolor = 3\n[[object]]\nname = "a"\nshape = "cube"\n', encoding="utf-8")
+    assert run("scene", "check", CUBE)[:2] == (0, f"{CUBE}: ok\n")
+    code, out, _ = run("scene", "check", CUBE, str(bad))
+    assert code == 2 and "color" in out and "camera" in out
+    assert len(json.loads(run("scene", "check", str(bad), "--json")[1])["problems"][str(bad)]) == 2
+
+
+def test_scene_info_and_schema(run: Any, tmp_path: Path) -> None:
+    assert "cube" in run("scene", "info", CUBE)[1]
+    assert json.loads(run("scene", "info", CUBE, "--json")[1])
+    assert json.loads(run("scene", "schema")[1])["properties"]["hsr"]
+    target = tmp_path / "schema.json"
+    assert run("scene", "schema", str(target))[0] == 0 and json.loads(target.read_text(encoding="utf-8"))
+
+
+def test_output_is_plain_with_no_color(scenes: Path) -> None:
+    environment = {"NO_COLOR": "1", "FORCE_COLOR": "1", "PATH": "/usr/bin:/bin"}
+    command = [sys.executable, "-m", "hsr.cli", "algos"]
+    done = subprocess.run(command, check=True, capture_output=True, env=environment, cwd=scenes.parent)
+    assert b"\x1b[3" not in done.stdout
+
+
+def test_python_and_command_agree(run: Any, tmp_path: Path, scenes: Path) -> None:
+    run("render", CUBE, "--size", "20", "-a", "raycast", "-o", str(tmp_path / "m.npz"))
+    here = hsr.render(hsr.load(scenes / "cube.toml"), "raycast", size=(20, 20))
+    assert np.array_equal(hsr.load_map(tmp_path / "m.npz").face, here.face)
