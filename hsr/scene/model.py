@@ -262,9 +262,7 @@ def _check_indices(faces: Any, vertices: Any) -> None:
     for k, loop in enumerate(faces):
         for index in loop:
             if not 0 <= index < len(vertices):
-                raise ValueError(
-                    f"face {k} names vertex {index}; there are {len(vertices)}, numbered from 0"
-                )
+                raise ValueError(f"face {k} names vertex {index}; there are {len(vertices)}, numbered from 0")
 
 
 class Polyhedron(Thing):
@@ -309,11 +307,14 @@ class Teapot(Thing):
     """The Utah teapot from its 32 Bezier patches, each cut into ``detail`` x ``detail`` quads."""
 
     shape: Literal["teapot"]
-    detail: Annotated[int, Field(ge=1, le=64)] = 8
+    detail: Annotated[int, Field(ge=2, le=64)] = 8
 
 
 class TorusKnot(Thing):
-    """A tube about the (p, q) torus knot: ``segments`` along it, ``sides`` around it."""
+    """A tube about the (p, q) torus knot: ``segments`` along it, ``sides`` around it.
+
+    p and q have no common factor: with one, the curve would run over itself several times.
+    """
 
     shape: Literal["torus-knot"]
     p: Annotated[int, Field(ge=1, le=20)] = 2
@@ -321,6 +322,12 @@ class TorusKnot(Thing):
     segments: Annotated[int, Field(ge=8, le=4096)] = 256
     sides: Annotated[int, Field(ge=3, le=256)] = 16
     thickness: PositiveFloat = 0.35
+
+    @model_validator(mode="after")
+    def _is_a_knot(self) -> TorusKnot:
+        if math.gcd(self.p, self.q) != 1:
+            raise ValueError(f"p ({self.p}) and q ({self.q}) must have no common factor")
+        return self
 
 
 class Terrain(Thing):
