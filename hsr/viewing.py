@@ -358,7 +358,7 @@ def _from_matrix(camera: MatrixCamera) -> Projection:
         if np.abs(z_row[:3] - a * depth_row[:3]).max() > 1e-9 * np.abs(z_row[:3]).max():
             raise ViewError(f"camera {camera.name!r}: oblique near planes are not supported")
         near = -b / (a + scale)
-        far = b / (scale - a) if a < scale else math.inf
+        far = b / (scale - a) if a > scale else math.inf
         if not 0.0 < near < far:
             raise ViewError(f"camera {camera.name!r}: near {near:g} and far {far:g}; needed 0 < near < far")
         return clip, depth_row, near, far
