@@ -11,6 +11,9 @@ import numpy as np
 
 from hsr.arrays import Floats, Ints
 
+MAX_FACES = 2**31 - 2
+"""Face ids are int32, and OpenGL stores face + 1."""
+
 
 class Kind(IntEnum):
     """The generic shapes; kernels know them by these numbers."""
@@ -175,7 +178,7 @@ def tessellated(kind: Kind, segments: int) -> Shape:
 
 
 def _circle(segments: int) -> Floats:
-    """Unit circle as (segments, 2), counter-clockwise from +x."""
+    """Return the unit circle as (segments, 2), counter-clockwise from +x."""
     angle = 2.0 * np.pi * np.arange(segments) / segments
     return np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
