@@ -12,10 +12,13 @@ from collections.abc import Iterator
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
-import hsr
+from hsr.algorithms.registry import render
 from hsr.errors import HsrError
+from hsr.scene.model import Scene
+from hsr.viewing import view
 
 PACKAGES = (
+    "hsr-lab",
     *("numpy", "numba", "scipy", "scikit-image", "python-flint"),
     *("moderngl", "glcontext", "trimesh", "matplotlib", "pydantic"),
 )
@@ -54,7 +57,6 @@ def diagnose() -> dict[str, Any]:
     """
     found = {
         "hsr": 1,
-        "version": hsr.__version__,
         "python": platform.python_version(),
         "platform": platform.platform(),
         "packages": {name: _version(name) for name in PACKAGES},
@@ -68,7 +70,7 @@ def diagnose() -> dict[str, Any]:
 
 def lines(found: dict[str, Any]) -> Iterator[str]:
     """Yield what :func:`diagnose` found as lines for people."""
-    yield f"hsr {found['version']}, Python {found['python']}, {found['platform']}"
+    yield f"Python {found['python']}, {found['platform']}"
     yield ", ".join(f"{name} {version or 'missing'}" for name, version in found["packages"].items())
     threads = found["threads"]
     yield f"threads: {threads['processors']} processors, numba {threads['numba']}"
@@ -131,9 +133,9 @@ def probe(backend: str) -> dict[str, Any]:
 
 def _compared(backend: str) -> tuple[int, int]:
     """Count the samples that differ from zbuffer's, and all samples."""
-    view = hsr.view(hsr.Scene.model_validate(SCENE), SIZE)
-    drawn = hsr.render(view, "opengl", backend=backend)
-    ours = hsr.render(view, "zbuffer")
+    seen = view(Scene.model_validate(SCENE), SIZE)
+    drawn = render(seen, "opengl", backend=backend)
+    ours = render(seen, "zbuffer")
     return int((drawn.face != ours.face).sum()), drawn.face.size
 
 
