@@ -8,17 +8,14 @@ import numpy as np
 import pytest
 
 import hsr
-from hsr.errors import MethodError, UnavailableError
-from hsr.opengl.contexts import shared_context
+from hsr.errors import MethodError
 from tests.opengl.brute_force import assert_agrees
+from tests.opengl.conftest import opened
 
 
-@pytest.fixture(autouse=True)
+@pytest.fixture(autouse=True, scope="module")
 def _needs_opengl() -> None:
-    try:
-        shared_context("auto")
-    except UnavailableError as error:
-        pytest.skip(str(error))
+    opened("auto").release()
 
 
 CAMERAS: dict[str, dict[str, Any]] = {
@@ -65,10 +62,8 @@ def test_the_backend_can_be_chosen(make_scene: Any) -> None:
     view = hsr.view(make_scene(objects()), (64, 48))
     maps = []
     for backend in ("osmesa", "egl"):
-        try:
-            maps.append(hsr.render(view, "opengl", backend=backend))
-        except UnavailableError as error:
-            pytest.skip(str(error))
+        opened(backend).release()
+        maps.append(hsr.render(view, "opengl", backend=backend))
         assert maps[-1].notes["backend"] == backend
     if maps[0].notes["driver"] == maps[1].notes["driver"]:
         np.testing.assert_array_equal(maps[0].face, maps[1].face)

@@ -11,9 +11,12 @@ from hsr.opengl.contexts import BACKENDS, Context, open_context
 
 
 def opened(backend: str) -> Context:
+    """Open a context, or skip where there is none; one that draws wrongly may be our own mistake."""
     try:
         return open_context(backend)
     except UnavailableError as error:
+        if "test picture" in str(error):
+            raise
         pytest.skip(str(error))
 
 

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import ctypes
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -12,6 +13,7 @@ import pytest
 from hsr.errors import UnavailableError
 from hsr.opengl import contexts, drawing, selftest
 from hsr.opengl.contexts import Context, open_context
+from hsr.opengl.loaders import OSMesa
 from hsr.opengl.selftest import flaw
 from tests.opengl.conftest import opened
 
@@ -150,6 +152,24 @@ def test_two_contexts_alive_at_once_both_draw(pair: tuple[str, str]) -> None:
     alive[0].release()
     assert flaw(alive[1]) is None
     alive[1].release()
+
+
+def test_no_error_is_left_behind(context: Context) -> None:
+    for _ in range(2):
+        assert flaw(context) is None
+        with context.gl as gl:
+            assert gl.error == "GL_NO_ERROR"
+
+
+def test_a_context_is_current_only_while_it_is_used() -> None:
+    opened("osmesa").release()
+    loader = OSMesa()
+    current = loader._library.OSMesaGetCurrentContext
+    current.restype = ctypes.c_void_p
+    with loader:
+        assert current()
+    assert not current()
+    loader.release()
 
 
 def test_threads_take_turns(context: Context) -> None:
