@@ -87,8 +87,7 @@ def _scattered(scatter: Scatter) -> Floats:
 
 
 def _matrix_of(step: Step) -> arb_mat:
-    (key,) = step.model_fields_set
-    value = getattr(step, key)
+    ((key, value),) = step.given.items()
     if key == "matrix":
         return arb_mat([list(row) for row in value])
     matrix = arb_mat(4, 4, [int(i == j) for i in range(4) for j in range(4)])
