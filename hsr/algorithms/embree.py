@@ -20,8 +20,8 @@ from hsr.errors import MethodError, UnavailableError
 from hsr.viewing import CULL, View, WorldPolygons
 from hsr.visibility import BACKGROUND, Clock, VisibilityMap, depth_format
 
-RAYS_AT_ONCE = 2**20
-"""How many rays are handed to embreex at once, to bound the memory of a large image."""
+RAYS_AT_ONCE = 2**16
+"""How many rays are handed to embreex at once: few enough to stay in the processor's cache."""
 
 RELATIVE_STEP = 2.0**-23
 """Distance of neighbouring float32 numbers, relative to them, at most."""
@@ -134,12 +134,17 @@ def _rays(view: View) -> Iterator[tuple[slice, Array, Array]]:
     rays = view.rays
     at_near = rays.origin + view.near * rays.direction
     x = (2.0 * np.arange(view.width) + 1.0) / view.width - 1.0
-    step = max(RAYS_AT_ONCE // view.width, 1)
-    for top in range(0, view.height, step):
-        row = np.arange(top, min(top + step, view.height))
-        y = 1.0 - (2.0 * row + 1.0) / view.height
-        grid = np.stack([np.ones((len(row), view.width)), *np.meshgrid(x, y)], axis=-1).reshape(-1, 3)
-        yield slice(top, top + step), _as_float32(grid @ at_near.T), _as_float32(grid @ rays.direction.T)
+    band = max(RAYS_AT_ONCE // view.width, 1)
+    for top in range(0, view.height, band):
+        y = 1.0 - (2.0 * np.arange(top, min(top + band, view.height)) + 1.0) / view.height
+        yield slice(top, top + band), _at_samples(at_near, x, y), _at_samples(rays.direction, x, y)
+
+
+def _at_samples(vectors: Floats, x: Floats, y: Floats) -> Array:
+    """Evaluate ``vectors @ (1, x, y)`` at every y and x: (len(y) * len(x), 3) float32."""
+    of_row = vectors[:, 0] + y[:, None] * vectors[:, 2]
+    of_column = x[:, None] * vectors[:, 1]
+    return _as_float32(of_row[:, None] + of_column).reshape(-1, 3)
 
 
 def _notes(view: View) -> dict[str, Any]:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import moderngl
 import numpy as np
 import pytest
 
@@ -119,6 +120,17 @@ def test_a_picture_beyond_the_driver_is_one_clear_line(
     monkeypatch.setattr(context, "max_side", 64)
     with pytest.raises(MethodError, match=r"at most 64 samples a side, not 65x8"):
         Drawing(context, hsr.view(make_scene([{"name": "cube", "shape": "cube"}]), (65, 8)))
+
+
+def test_a_driver_without_room_is_one_clear_line(
+    context: Context, make_scene: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def incomplete(*_arguments: Any) -> Any:
+        raise moderngl.Error("the framebuffer is not complete (INCOMPLETE_ATTACHMENT)")
+
+    monkeypatch.setattr(context.gl, "framebuffer", incomplete)
+    with pytest.raises(MethodError, match="no room for 8x6 samples"):
+        Drawing(context, hsr.view(make_scene([{"name": "cube", "shape": "cube"}]), (8, 6)))
 
 
 def test_coordinates_beyond_float32_are_one_clear_line(context: Context, make_scene: Any) -> None:
