@@ -86,6 +86,7 @@ def _render(studies: Sequence[Study], title: str) -> str:
         classes=[(kind.label, CLASS_COLOURS[kind], ABOUT[kind]) for kind in CLASS_COLOURS],
         different=DIFFERENT,
         expected=_expected,
+        flat=any(_expected(found, name) for found in studies for name in found.differences),
         date=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         environment=_environment(studies),
         lab={"pictures": album.uris, "scenes": scenes},
