@@ -131,8 +131,8 @@ def _figures(value: float) -> str:
 
 
 def _milliseconds(seconds: float) -> str:
-    milliseconds = 1e3 * seconds
-    return f"{milliseconds:,.0f}" if milliseconds >= 100.0 else f"{milliseconds:.3g}"
+    """One decimal, so that points stand below each other."""
+    return f"{1e3 * seconds:,.1f}"
 
 
 def _size(study: Study) -> str:

@@ -185,6 +185,6 @@ def test_figures(value: float, text: str) -> None:
     assert _figures(value) == text
 
 
-@pytest.mark.parametrize(("seconds", "text"), [(0.0, "0"), (0.0012345, "1.23"), (12.3456, "12,346")])
+@pytest.mark.parametrize(("seconds", "text"), [(0.0, "0.0"), (0.0012345, "1.2"), (12.3456, "12,345.6")])
 def test_milliseconds(seconds: float, text: str) -> None:
     assert _milliseconds(seconds) == text
