@@ -14,14 +14,13 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-import hsr
 from hsr.difference.classes import DIFFERENT, SampleClass
 from hsr.difference.study import Study
 from hsr.errors import HsrError
 from hsr.report.pictures import CLASS_COLOURS, Album, gather
 
-LIBRARIES = ("numpy", "numba", "scipy", "moderngl")
-"""Whose versions a report names, besides Python's and our own."""
+PACKAGES = ("hsr-lab", "numpy", "numba", "scipy", "moderngl")
+"""Whose versions a report names, besides Python's."""
 
 
 def write_report(
@@ -112,8 +111,7 @@ def _expected(study: Study, name: str) -> bool:
 
 def _environment(studies: Sequence[Study]) -> dict[str, str]:
     """Name what the figures were made with."""
-    made_with = {"hsr": hsr.__version__, "Python": platform.python_version()}
-    made_with |= {name: version(name) for name in LIBRARIES}
+    made_with = {"Python": platform.python_version()} | {name: version(name) for name in PACKAGES}
     made_with["system"] = f"{platform.system()} {platform.machine()}, {os.cpu_count()} processors"
     for found in studies:
         for name, map in found.maps.items():
