@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import connected_components
 from hsr.arrays import Array, Bools, Floats
 from hsr.scene.shapes import Polygons
 
-MAX_CHECKED = 50_000
+MAX_CHECKED = 25_000
 """Meshes of more triangles are not searched for places where they touch or cross themselves."""
 
 Turn = Callable[[Array, Array, Array], Array]
