@@ -10,6 +10,7 @@ from datetime import UTC, datetime
 from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
@@ -77,13 +78,14 @@ def _render(studies: Sequence[Study], title: str) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"figures": _figures, "milliseconds": _milliseconds, "size": _size}
+    environment.filters |= {"figures": _figures, "milliseconds": _milliseconds, "note": _note, "size": _size}
     return environment.get_template("report.html").render(
         title=title,
         studies=studies,
         methods=list(dict.fromkeys(name for found in studies for name in found.methods)),
         classes=[(kind.label, CLASS_COLOURS[kind], ABOUT[kind]) for kind in CLASS_COLOURS],
         different=DIFFERENT,
+        extent=_extent,
         expected=_expected,
         flat=any(_expected(found, name) for found in studies for name in found.differences),
         date=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
@@ -116,11 +118,16 @@ def _environment(studies: Sequence[Study]) -> dict[str, str]:
     for found in studies:
         for name, map in found.maps.items():
             if "driver" in map.notes:
-                made_with[f"{name} draws with"] = str(map.notes["driver"])
+                made_with[name] = str(map.notes["driver"])
     return made_with
 
 
 # ---------------------------------------------------------------- numbers as people read them
+
+
+def _extent(start: int, stop: int) -> str:
+    """Name the rows or columns from ``start`` to before ``stop``."""
+    return str(start) if stop == start + 1 else f"{start}–{stop - 1}"
 
 
 def _figures(value: float) -> str:
@@ -131,6 +138,17 @@ def _figures(value: float) -> str:
 def _milliseconds(seconds: float) -> str:
     """One decimal, so that points stand below each other."""
     return f"{1e3 * seconds:,.1f}"
+
+
+def _note(note: Any) -> str:
+    """Return what a method noted about itself, a stored depth's format among it."""
+    if isinstance(note, bool):
+        return "yes" if note else "no"
+    if isinstance(note, dict):
+        return ", ".join(f"{name} {_note(value)}" for name, value in note.items() if value is not None)
+    if isinstance(note, float):
+        return _figures(note)
+    return f"{note:,}" if isinstance(note, int) else str(note)
 
 
 def _size(study: Study) -> str:
