@@ -82,7 +82,7 @@ def render(view: View, options: Options) -> VisibilityMap:
         face, depth, work = scan_polygons(
             view, clip, polygons.cull, STEPPING[options.stepping], real, options.count
         )
-    stored = depth_format("window", float(np.finfo(real).epsneg), view.near, view.far)
+    stored = depth_format("window", float(np.finfo(real).epsneg), view.near, view.far, view.perspective)
     return VisibilityMap(face, depth, "zbuffer", work, clock.seconds, {"depth_format": stored})
 
 
