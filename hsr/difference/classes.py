@@ -155,7 +155,7 @@ class Difference:
         return self.different == 0
 
     @property
-    def largest_cluster(self) -> int:
+    def largest(self) -> int:
         """Number of samples in the largest cluster."""
         return self.clusters[0].size if self.clusters else 0
 
@@ -185,9 +185,7 @@ class Difference:
         counts = self.counts
         parts = [f"{counts[kind.label]} {kind.label}" for kind in OTHER_OWNER if counts[kind.label]]
         if parts:
-            text += (
-                f" ({', '.join(parts)}), largest cluster {self.largest_cluster}, {self.near} off by one pixel"
-            )
+            text += f" ({', '.join(parts)}), largest cluster {self.largest}, {self.near} off by one pixel"
         depth_only = counts[SampleClass.DEPTH_ONLY.label]
         return text + (f"; {depth_only} depth only" if depth_only else "")
 
@@ -211,7 +209,7 @@ class Difference:
             "near": self.near,
             "counts": self.counts,
             "cluster_count": len(self.clusters),
-            "largest_cluster": self.largest_cluster,
+            "largest_cluster": self.largest,
             "clusters": [self._cluster_json(cluster) for cluster in self.clusters[:LISTED_JSON]],
             "depth": {
                 "samples": self.depth.samples,

@@ -120,7 +120,7 @@ def test_clusters_hang_together_over_corners() -> None:
 def test_depth_joins_no_cluster() -> None:
     shown = a_map([[1, 0, 1]], [[2.0, 5.0, 2.0]])
     found = hsr.compare(shown, a_map([[0, 0, 0]]))
-    assert [cluster.size for cluster in found.clusters] == [1, 1] and found.largest_cluster == 1
+    assert [cluster.size for cluster in found.clusters] == [1, 1] and found.largest == 1
 
 
 def test_near_counts_faces_one_pixel_off() -> None:
