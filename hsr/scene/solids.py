@@ -43,6 +43,8 @@ def surface_problem(polygons: Polygons) -> str:
         ``not checked: ...``, or nothing if they do.
     """
     points, triangles, face = _welded(polygons)
+    if not len(triangles):
+        return "not closed: it has no area"
     return _boundary(triangles) or _inward(points, triangles) or _self_contact(points, triangles, face)
 
 
