@@ -105,7 +105,18 @@ def _set_up(
             table[i, FATE] = CLIPPED
             continue
 
-        # Drop what crosses no sample: most polygons of a fine mesh.
+        # Drop what has no area, and what is not a number.
+        a, b, c = _plane(screen, corner, first, end)
+        if not 0.0 < abs(c) < np.inf:
+            table[i, FATE] = EDGE_ON
+            continue
+
+        # Tell front from back by C: with y down, what is counter-clockwise to the eye has C < 0.
+        if cull[i] & (CULL_FRONT if c < 0.0 else CULL_BACK):
+            table[i, FATE] = CULLED
+            continue
+
+        # Drop what crosses no sample.
         left, right, highest, lowest, top = _bounds(screen, corner, first, end)
         first_line = max(math.ceil(highest - half), 0)
         end_line = min(math.ceil(lowest - half), height)
@@ -113,15 +124,6 @@ def _set_up(
         end_column = min(math.ceil(right - half), width)
         if first_line >= end_line or first_column >= end_column:
             table[i, FATE] = MISSED
-            continue
-
-        # Tell front from back by C: with y down, what is counter-clockwise to the eye has C < 0.
-        a, b, c = _plane(screen, corner, first, end)
-        if not abs(c) > 0.0:
-            table[i, FATE] = EDGE_ON
-            continue
-        if cull[i] & (CULL_FRONT if c < 0.0 else CULL_BACK):
-            table[i, FATE] = CULLED
             continue
 
         slope[i, 0], slope[i, 1] = -a / c, -b / c
