@@ -342,7 +342,9 @@ def test_culling(cull: int, shown: str) -> None:
 
 
 def test_fates_of_polygons() -> None:
-    screen = np.array([[0, 0, 0], [0, 3, 0], [3, 3, 0], [3, 0, 0], [6, 6, 0], [0.1, 0.2, 0], [0.2, 0.3, 0]], float)
+    screen = np.array(
+        [[0, 0, 0], [0, 3, 0], [3, 3, 0], [3, 0, 0], [6, 6, 0], [0.1, 0.2, 0], [0.2, 0.3, 0]], float
+    )
     loops = [[0, 1, 2], [2, 1, 0], [0, 2, 4], [0, 5, 6], []]
     corner = np.array([k for loop in loops for k in loop], np.int32)
     start = np.cumsum([0, *map(len, loops)]).astype(np.int32)
