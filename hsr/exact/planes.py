@@ -1,0 +1,173 @@
+"""Triangles in the frame of a view: half-planes of the image and planes of zeta, in integers.
+
+With the corners a, b, c as (X, Y, W) the cross products b x c, c x a, a x b are the edge functions
+and ``det = a . (b x c)`` twice the signed area (Olano & Greer, "Triangle scan conversion using 2D
+homogeneous coordinates", 1997). For every sample s = (i, j, 1)
+
+    (b x c . s) a + (c x a . s) b + (a x b . s) c = det s
+
+so where all three edge functions have the sign of det, s lies in the triangle and in front of the
+eye; no corner need be. Taking the fourth coordinate H in place of X, Y, W on the left gives
+det zeta: an affine function of the sample as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from hsr.arrays import Array, Bools, Floats, Ints
+from hsr.exact.numbers import Frame, integers
+from hsr.scene.shapes import Polygons
+from hsr.viewing import Placement, View
+
+HALVES = 5
+"""Half-planes of a triangle: three edges, near and far."""
+
+MARGIN = 2.0**-20
+"""Pixels by which a bounding box is widened.
+
+The coordinates of a corner on the image are rounded three times; those that matter are below
+2**16, so that each rounding is at most 2**-37.
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Triangles:
+    """The triangles of a view that can be seen on its image at all.
+
+    Attributes
+    ----------
+    half : (n, 5, 3) object
+        Coefficients (a, b, c) of the affine functions a i + b j + c that are not negative at the
+        samples of the triangle: the edges against its corners in turn, near, far.
+    zeta : (n, 3) object
+        Coefficients of ``det`` times zeta.
+    det : (n,) object
+        Positive.
+    face : (n,) int32
+    box : (n, 4) int32
+        First row, first column, last row, last column of the samples it may cover.
+    """
+
+    half: Array
+    zeta: Array
+    det: Array
+    face: Ints
+    box: Ints
+
+    def __len__(self) -> int:
+        return len(self.face)
+
+
+def triangles_of(view: View, frame: Frame) -> Triangles:
+    """Collect the triangles of all planar shapes of a view.
+
+    Left out are those that cover no sample: culled, edge-on, behind the eye, not between near and
+    far, or beside the image.
+    """
+    vertices: dict[int, Array] = {}
+    parts = [_none()]
+    for placement in view.placements:
+        polygons = placement.shape.polygons
+        if polygons is not None:
+            if id(polygons) not in vertices:
+                vertices[id(polygons)] = integers(_homogeneous(polygons.vertices))
+            corners = vertices[id(polygons)] @ frame.placed(placement.world_from_object).T
+            parts.append(_placed(view, frame, placement, polygons, corners))
+    return Triangles(*(np.concatenate(arrays) for arrays in zip(*map(_fields, parts), strict=True)))
+
+
+def _fields(part: Triangles) -> Iterator[Array]:
+    yield from (part.half, part.zeta, part.det, part.face, part.box)
+
+
+def _none() -> Triangles:
+    empty = np.zeros(0, dtype=object)
+    no_int = np.zeros(0, np.int32)
+    return Triangles(empty.reshape(0, HALVES, 3), empty.reshape(0, 3), empty, no_int, no_int.reshape(0, 4))
+
+
+def _homogeneous(points: Floats) -> Floats:
+    return np.column_stack([points, np.ones(len(points))])
+
+
+def _placed(view: View, frame: Frame, placement: Placement, polygons: Polygons, corners: Array) -> Triangles:
+    """Keep the triangles of one object that can be seen."""
+    vertex = polygons.triangle_vertex
+    inside = corners @ frame.limits.T >= 0
+    ahead = corners[:, 2] > 0
+    box = boxes(view, corners, vertex, ahead)
+    in_front = ahead[vertex].all(axis=1)
+    # A limit that all corners are beyond, all of them in front of the eye, leaves nothing.
+    beyond = in_front & (~inside[vertex]).all(axis=1).any(axis=1)
+    keep = ahead[vertex].any(axis=1) & ~beyond & (box[:, 0] <= box[:, 2]) & (box[:, 1] <= box[:, 3])
+
+    a, b, c = (corners[vertex[keep, k]] for k in range(3))
+    edges = np.stack([cross(b, c), cross(c, a), cross(a, b)], axis=1)
+    det = (a[:, :3] * edges[:, 0]).sum(axis=1)
+    front = (det < 0) if placement.mirrored else (det > 0)
+    drawn = (det != 0) & (front if placement.cull == 1 else ~front if placement.cull == 2 else True)
+    side = np.where(det > 0, 1, -1)[:, None]
+    edges, det = edges * side[:, None], det * side[:, 0]
+    zeta = a[:, 3:] * edges[:, 0] + b[:, 3:] * edges[:, 1] + c[:, 3:] * edges[:, 2]
+    cut = ~(inside[vertex[keep]].all(axis=1) & in_front[keep, None])
+    half = np.concatenate([edges, _within(frame, zeta, det, cut)], axis=1)
+    face = polygons.triangle_face[keep] + np.int32(placement.first)
+    kept = Triangles(half, zeta, det, face, box[keep])
+    return Triangles(*(array[drawn] for array in _fields(kept)))
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Cross product of the first three coordinates, (n, 3)."""
+    ax, ay, aw = a[:, 0], a[:, 1], a[:, 2]
+    bx, by, bw = b[:, 0], b[:, 1], b[:, 2]
+    return np.stack([ay * bw - aw * by, aw * bx - ax * bw, ax * by - ay * bx], axis=1)
+
+
+def _within(frame: Frame, zeta: Array, det: Array, cut: Bools) -> Array:
+    """Half-planes (n, 2, 3) of near and far; (0, 0, 1), which says nothing, where they do not cut."""
+    half = np.zeros((len(det), 2, 3), dtype=object)
+    half[:, :, 2] = 1
+    for side, (a, b, c, k) in enumerate(frame.limits):
+        which = cut[:, side]
+        plane = np.array([a, b, c], dtype=object)
+        half[which, side] = det[which, None] * plane + k * zeta[which]
+    return half
+
+
+def boxes(view: View, corners: Array, vertex: Ints, ahead: Bools) -> Ints:
+    """Rows and columns (n, 4) of the samples that figures of corners (n, k) may cover.
+
+    A projection is the hull of its projected corners, if all of them are in front of the eye; the
+    whole image otherwise. ``MARGIN`` more than makes up for rounding.
+    """
+    shown = np.where(ahead, corners[:, 2], 1)
+    column = np.clip((ratio(corners[:, 0], shown) + view.width - 1) / 2, -2, view.width + 1)
+    row = np.clip((view.height - 1 - ratio(corners[:, 1], shown)) / 2, -2, view.height + 1)
+    box = np.stack(
+        [
+            np.ceil(row[vertex].min(axis=1) - MARGIN),
+            np.ceil(column[vertex].min(axis=1) - MARGIN),
+            np.floor(row[vertex].max(axis=1) + MARGIN),
+            np.floor(column[vertex].max(axis=1) + MARGIN),
+        ],
+        axis=1,
+    )
+    whole = np.array([0, 0, view.height - 1, view.width - 1])
+    box = np.where(ahead[vertex].all(axis=1)[:, None], box, whole)
+    return np.stack([*np.maximum(box[:, :2], 0).T, *np.minimum(box[:, 2:], whole[2:]).T], axis=1).astype(np.int32)
+
+
+def _quotient(numerator: int, denominator: int) -> float:
+    try:
+        return numerator / denominator
+    except OverflowError:
+        return float("inf") if (numerator > 0) == (denominator > 0) else float("-inf")
+
+
+def ratio(numerator: Array, denominator: Array) -> Floats:
+    """Divide integers, each quotient rounded once to the nearest float64; infinite if out of range."""
+    return np.asarray(np.frompyfunc(_quotient, 2, 1)(numerator, denominator), dtype=np.float64)
