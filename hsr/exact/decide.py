@@ -7,7 +7,7 @@ sample, and what bounds it are forms that must not be negative there.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cmp_to_key
 from itertools import combinations, pairwise
@@ -31,6 +31,8 @@ class Piece:
     Attributes
     ----------
     face : int
+    surface : tuple
+        Pieces of equal surface coincide wherever both are.
     zeta : Surd
         Of polynomials in i and j.
     extent : tuple of Polynomial
@@ -40,6 +42,7 @@ class Piece:
     """
 
     face: int
+    surface: tuple[Hashable, ...]
     zeta: Surd
     extent: tuple[Polynomial, ...] = ()
     inside: tuple[Form, ...] = ()

@@ -29,7 +29,7 @@ IMAGE = fmpz_mpoly_ctx.get(("i", "j"), Ordering.lex)
 
 I, J = IMAGE.gens()  # noqa: E741
 D, E, T = GERMS.gens()
-ZERO = GERMS.constant(0)
+NOTHING = IMAGE.constant(0)
 
 Spot = tuple[Polynomial, Polynomial]
 """Where polynomials in i and j are evaluated: two germs."""
@@ -38,6 +38,11 @@ Spot = tuple[Polynomial, Polynomial]
 def beside(i: int, j: int, toward: tuple[int, int] = (0, 0)) -> Spot:
     """Return the sample (i, j) moved by t along ``toward``, then by e to the right and d down."""
     return toward[0] * T + E + i, toward[1] * T - D + j
+
+
+def constant(value: int) -> Polynomial:
+    """Return a polynomial in i and j that is the same everywhere."""
+    return IMAGE.constant(int(value))
 
 
 def affine(coefficients: Sequence[int]) -> Polynomial:

@@ -13,12 +13,15 @@ det zeta: an affine function of the sample as well.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from math import gcd
 
 import numpy as np
 
 from hsr.arrays import Array, Bools, Floats, Ints
+from hsr.exact.decide import Piece
+from hsr.exact.germs import NOTHING, Surd, affine, constant
 from hsr.exact.numbers import Frame, integers
 from hsr.scene.shapes import Polygons
 from hsr.viewing import Placement, View
@@ -60,6 +63,16 @@ class Triangles:
 
     def __len__(self) -> int:
         return len(self.face)
+
+    def plane(self, triangle: int) -> tuple[int, ...]:
+        """Name the plane of a triangle."""
+        return plane_name([*self.zeta[triangle], -self.det[triangle]])
+
+    def piece(self, triangle: int, halves: Iterable[int] = range(HALVES)) -> Piece:
+        """Return a triangle, or the intersection of some of its half-planes, as a piece."""
+        zeta = Surd(affine(self.zeta[triangle]), NOTHING, NOTHING, constant(self.det[triangle]))
+        extent = tuple(affine(self.half[triangle, k]) for k in halves)
+        return Piece(int(self.face[triangle]), self.plane(triangle), zeta, extent)
 
 
 def triangles_of(view: View, frame: Frame) -> Triangles:
@@ -159,6 +172,12 @@ def boxes(view: View, corners: Array, vertex: Ints, ahead: Bools) -> Ints:
     whole = np.array([0, 0, view.height - 1, view.width - 1])
     box = np.where(ahead[vertex].all(axis=1)[:, None], box, whole)
     return np.stack([*np.maximum(box[:, :2], 0).T, *np.minimum(box[:, 2:], whole[2:]).T], axis=1).astype(np.int32)
+
+
+def plane_name(form: Sequence[int]) -> tuple[int, ...]:
+    """Name the plane a i + b j + c + k zeta = 0, whatever the scale of its equation; k is not 0."""
+    common = gcd(*form) * (1 if form[3] > 0 else -1)
+    return tuple(coefficient // common for coefficient in form)
 
 
 def _quotient(numerator: int, denominator: int) -> float:

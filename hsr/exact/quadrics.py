@@ -11,22 +11,22 @@ under perspective the line of sight enters there, for a parallel view it leaves.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from dataclasses import dataclass, replace
+from math import gcd
 
 import numpy as np
 
 from hsr.arrays import Array, Ints
 from hsr.exact.decide import Form, Piece
-from hsr.exact.germs import IMAGE, I, J, Polynomial, Surd, affine
+from hsr.exact.germs import NOTHING, I, J, Polynomial, Surd, affine, constant
 from hsr.exact.numbers import Frame, integers, inverse
-from hsr.exact.planes import boxes
+from hsr.exact.planes import boxes, plane_name
 from hsr.scene.shapes import Kind
 from hsr.viewing import Placement, View
 
 BALL = np.diag(np.array([1, 1, 1, -1], dtype=object))
 TUBE = np.diag(np.array([1, 1, 0, -1], dtype=object))
-NOTHING = IMAGE.constant(0)
 BACK, FRONT = 1, 2
 """What ``cull`` removes."""
 
@@ -72,7 +72,7 @@ def _placed(view: View, frame: Frame, placement: Placement) -> Iterator[Round]:
 def _bounds(frame: Frame, corners: Array, ahead: bool) -> Iterator[Form]:
     """Yield what near, far and the eye cut off, as far as they cut the block around the shape."""
     if not ahead and frame.nearer > 0:
-        yield NOTHING, IMAGE.constant(1)
+        yield NOTHING, constant(1)
     for limit in frame.limits:
         if not ahead or (corners @ limit < 0).any():
             yield form(limit)
@@ -80,7 +80,7 @@ def _bounds(frame: Frame, corners: Array, ahead: bool) -> Iterator[Form]:
 
 def form(coefficients: Array) -> Form:
     """Return the form a i + b j + c + k zeta."""
-    return affine(coefficients[:3]), IMAGE.constant(int(coefficients[3]))
+    return affine(coefficients[:3]), constant(coefficients[3])
 
 
 def _pieces(placement: Placement, nearer: int, to_object: Array) -> Iterator[Piece]:
@@ -117,9 +117,9 @@ class Quadric:
     def of(cls, matrix: Array, to_object: Array) -> Quadric:
         """Carry p Q p from object space into the frame."""
         q = to_object.T @ matrix @ to_object
-        sample = (I, J, IMAGE.constant(1))
+        sample = (I, J, constant(1))
         c = sum((int(q[m, n]) * sample[m] * sample[n] for m in range(3) for n in range(3)), NOTHING)
-        return cls(IMAGE.constant(int(q[3, 3])), affine(q[3, :3]), c)
+        return cls(constant(q[3, 3]), affine(q[3, :3]), c)
 
     def half(self, face: int, side: int, inside: tuple[Form, ...]) -> Iterator[Piece]:
         """Yield the piece with the root (-b + side sqrt(b^2 - a c)) / a, if it can be seen.
@@ -130,12 +130,22 @@ class Quadric:
         """
         square = self.b * self.b - self.a * self.c
         if not self.a.is_zero():
-            yield Piece(face, Surd(-self.b, IMAGE.constant(side), square, self.a), (square,), inside)
+            zeta = Surd(-self.b, constant(side), square, self.a)
+            yield Piece(face, self._name(side), zeta, (square,), inside)
         elif not self.b.is_zero():
-            yield Piece(face, Surd(-self.c, NOTHING, NOTHING, 2 * self.b), (side * self.b,), inside)
+            zeta = Surd(-self.c, NOTHING, NOTHING, 2 * self.b)
+            yield Piece(face, self._name(side), zeta, (side * self.b,), inside)
+
+    def _name(self, side: int) -> tuple[Hashable, ...]:
+        """Name the surface, whatever the scale of its equation."""
+        polynomials = [p.to_dict() for p in (self.a, self.b, self.c)]
+        common = gcd(*(int(value) for terms in polynomials for value in terms.values()))
+        named = [tuple((powers, int(value) // common) for powers, value in terms.items()) for terms in polynomials]
+        return (side, *named)
 
     def disc(self, face: int, plane: Form) -> Piece:
         """Return the part of a plane within the quadric: zeta = -l / k where its value is not positive."""
         offset, slope = plane
         value = self.a * offset * offset - 2 * self.b * offset * slope + self.c * slope * slope
-        return Piece(face, Surd(-offset, NOTHING, NOTHING, slope), (-value,))
+        name = plane_name([*(int(offset[power]) for power in ((1, 0), (0, 1), (0, 0))), int(slope[0, 0])])
+        return Piece(face, name, Surd(-offset, NOTHING, NOTHING, slope), (-value,))
