@@ -30,6 +30,8 @@ class Piece:
 
     Attributes
     ----------
+    number : int
+        By which its owner knows it.
     face : int
     surface : tuple
         Pieces of equal surface coincide wherever both are.
@@ -41,6 +43,7 @@ class Piece:
         Not negative on the piece.
     """
 
+    number: int
     face: int
     surface: tuple[Hashable, ...]
     zeta: Surd
@@ -68,23 +71,27 @@ class Piece:
             yield value.p if self.zeta.q.is_zero() else value.norm()
 
 
-def owners(pieces: Iterable[Piece], spot: Spot, nearer: int) -> set[int]:
-    """Return the faces that share the least depth just beside a sample; the background if none."""
-    best: Surd | None = None
-    faces = {BACKGROUND}
+Answer = tuple[int, frozenset[int]]
+"""The number of the piece that owns a sample, -1 for the background; all admissible faces."""
+
+
+def nearest(pieces: Iterable[Piece], spot: Spot, nearer: int) -> list[Piece]:
+    """Return the pieces that share the least depth just beside a sample."""
+    least: Surd | None = None
+    found: list[Piece] = []
     for piece in pieces:
         zeta = piece.depth_at(spot)
         if zeta is None:
             continue
-        order = -1 if best is None else -nearer * zeta.compared(best)
+        order = -1 if least is None else -nearer * zeta.compared(least)
         if order < 0:
-            best, faces = zeta, {piece.face}
+            least, found = zeta, [piece]
         elif order == 0:
-            faces.add(piece.face)
-    return faces
+            found.append(piece)
+    return found
 
 
-def decide(pieces: Sequence[Piece], i: int, j: int, nearer: int) -> tuple[int, frozenset[int]]:
+def decide(pieces: Sequence[Piece], i: int, j: int, nearer: int) -> Answer:
     """Decide one sample.
 
     Parameters
@@ -99,15 +106,20 @@ def decide(pieces: Sequence[Piece], i: int, j: int, nearer: int) -> tuple[int, f
     Returns
     -------
     owner : int
-        The lowest of the faces that share the least depth in the limit from the right and below.
+        Number of the piece of least depth in the limit from the right and below, of the lowest
+        face if several coincide; -1 if there is none.
     admissible : frozenset of int
-        The owners in the limits from all directions, and the faces that coincide with them.
+        The faces that own the sample in the limits from all directions, and those that coincide
+        with them; -1 is the background.
     """
-    faces = owners(pieces, beside(i, j), nearer)
-    admissible = set(faces)
-    for toward in directions(pieces, i, j):
-        admissible |= owners(pieces, beside(i, j, toward), nearer)
-    return min(faces), frozenset(admissible)
+    found = nearest(pieces, beside(i, j), nearer)
+    limits = [nearest(pieces, beside(i, j, toward), nearer) for toward in directions(pieces, i, j)]
+    admissible = {piece.face for limit in limits for piece in limit}
+    admissible |= {piece.face for piece in found}
+    if not all([found, *limits]):
+        admissible.add(BACKGROUND)
+    owner = min(found, key=lambda piece: piece.face).number if found else BACKGROUND
+    return owner, frozenset(admissible)
 
 
 # ---------------------------------------------------------------- directions

@@ -97,8 +97,10 @@ class TriangleTables(NamedTuple):
 
 def triangle_tables(triangles: Triangles, nearer: int, width: int, height: int) -> TriangleTables:
     """Round the triangles to float64."""
-    greatest = np.abs(triangles.half).max(axis=2, keepdims=True)
-    half = (triangles.half / greatest).astype(np.float64)
+    half = np.zeros(triangles.half.shape)
+    half[:, :, 2] = 1.0
+    told = (triangles.half[:, :, :2] != 0).any(axis=2)
+    half[told] = _proportions(triangles.half[told])
     key = ratio(-nearer * triangles.zeta, triangles.det[:, None])
     ends = np.array([width, height, 1.0])
     slack = ROUNDING * (np.abs(half) @ ends) + TINY
@@ -106,6 +108,11 @@ def triangle_tables(triangles: Triangles, nearer: int, width: int, height: int) 
     # A plane too steep for float64 may have any key.
     key[~np.isfinite(key_slack)] = 0.0
     return TriangleTables(half, slack, key, key_slack, triangles.box)
+
+
+def _proportions(half: Array) -> Floats:
+    """Divide coefficients (n, 3) by the greatest of each row."""
+    return np.asarray(half / np.abs(half).max(axis=1, keepdims=True), dtype=np.float64)
 
 
 @jit
@@ -203,9 +210,9 @@ class RoundTables(NamedTuple):
     surd : (n, 4, 6) float64
         p, q, r and s of the key (p + q sqrt(r)) / s.
     extent : (n, 1, 6) float64
-    offset : (n, 5, 6) float64
-    slope : (n, 5) float64
-        Of the forms, for the key in place of zeta. Missing ones are 1.
+    offset : (n, F, 6) float64
+    slope : (n, F) float64
+        Of the forms, for the key in place of zeta; F is the most of any piece, missing ones are 1.
     box : (n, 4) int32
     """
 
@@ -219,7 +226,8 @@ class RoundTables(NamedTuple):
 def round_tables(rounds: Sequence[Round], nearer: int) -> RoundTables:
     """Round the curved pieces to float64."""
     surd, extent = np.zeros((len(rounds), 4, 6)), np.zeros((len(rounds), 1, 6))
-    offset, slope = np.zeros((len(rounds), 5, 6)), np.zeros((len(rounds), 5))
+    forms = max((len(this.piece.inside) for this in rounds), default=0)
+    offset, slope = np.zeros((len(rounds), forms, 6)), np.zeros((len(rounds), forms))
     offset[:, :, 5] = 1.0
     box = np.zeros((len(rounds), 4), dtype=np.int32)
     for n, this in enumerate(rounds):

@@ -63,7 +63,8 @@ def problem_of(view: View) -> tuple[Frame, Problem]:
     frame = frame_of(view)
     triangles = triangles_of(view, frame)
     tables = triangle_tables(triangles, frame.nearer, view.width, view.height)
-    return frame, Problem(triangles, tables, rounds_of(view, frame), frame.nearer, *samples(view))
+    rounds = rounds_of(view, frame, len(triangles))
+    return frame, Problem(triangles, tables, rounds, frame.nearer, *samples(view))
 
 
 def truth(view: View) -> Truth:
@@ -85,40 +86,41 @@ def truth(view: View) -> Truth:
     frame, problem = problem_of(view)
     tables = round_tables(problem.rounds, frame.nearer)
     found = candidates(problem.tables, tables, view.height, view.width)
-    face, unsettled = settled_by_filter(problem, found)
+    owner, unsettled = settled_by_filter(found)
     verdicts = list(settle(problem, found, unsettled))
     for verdict in verdicts:
-        owners = np.array([owner for owner, _ in verdict.answers], dtype=np.int32)
-        face[verdict.sample] = owners[verdict.answer]
+        owners = np.array([piece for piece, _ in verdict.answers], dtype=np.int32)
+        owner[verdict.sample] = owners[verdict.answer] if len(owners) else BACKGROUND
+    curved = [this.piece.face for this in problem.rounds]
+    face = np.concatenate([problem.triangles.face, np.array([*curved, BACKGROUND], dtype=np.int32)])[owner]
     shape = (view.height, view.width)
-    depth = depths_of(frame, problem, found, face)
+    depth = depths_of(frame, problem, owner)
     return Truth(face.reshape(shape), depth.reshape(shape), admissible_of(verdicts), len(unsettled))
 
 
-def settled_by_filter(problem: Problem, found: Candidates) -> tuple[Ints, Array]:
-    """Return the owner (H W,) of each sample as far as certain, and the samples where it is not."""
-    curved = [this.piece.face for this in problem.rounds]
-    face_of = np.concatenate([problem.triangles.face, np.array(curved, dtype=np.int32), [BACKGROUND]])
+def settled_by_filter(found: Candidates) -> tuple[Ints, Array]:
+    """Return the piece (H W,) that owns each sample if certain, and the samples where it is not."""
     count = np.diff(found.start)
+    owner = np.full(len(count), BACKGROUND, dtype=np.int32)
     single = np.flatnonzero(count == 1)
-    sure = found.sure[found.start[single]]
-    face = np.full(len(count), BACKGROUND, dtype=np.int32)
-    face[single] = face_of[found.piece[found.start[single]]]
-    return face, np.union1d(np.flatnonzero(count > 1), single[~sure])
+    owner[single] = found.piece[found.start[single]]
+    settled = count == 0
+    settled[single] = found.sure[found.start[single]]
+    return owner, np.flatnonzero(~settled)
 
 
 def admissible_of(verdicts: list[Verdicts]) -> Admissible:
     """Collect the tied samples."""
     samples_, lists = [np.zeros(0, np.int64)], [np.zeros((0, 2), np.int64)]
     for verdict in verdicts:
-        size = np.array([len(faces) for _, faces in verdict.answers])
-        faces = np.array([face for _, faces in verdict.answers for face in sorted(faces)])
+        size = np.array([len(faces) for _, faces in verdict.answers], dtype=np.int64)
+        listed = np.array([face for _, faces in verdict.answers for face in sorted(faces)], dtype=np.int64)
         tied = np.flatnonzero(size[verdict.answer] > 1)
         count = size[verdict.answer[tied]]
         begin = (np.cumsum(size) - size)[verdict.answer[tied]]
         place = np.repeat(begin - (np.cumsum(count) - count), count) + np.arange(count.sum())
         samples_.append(verdict.sample[tied])
-        lists.append(np.stack([np.repeat(verdict.sample[tied], count), faces[place]], axis=1))
+        lists.append(np.stack([np.repeat(verdict.sample[tied], count), listed[place]], axis=1))
     entries = np.concatenate(lists)
     entries = entries[np.argsort(entries[:, 0], kind="stable")]
     sample = np.unique(np.concatenate(samples_))

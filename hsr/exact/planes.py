@@ -26,6 +26,9 @@ from hsr.exact.numbers import Frame, integers
 from hsr.scene.shapes import Polygons
 from hsr.viewing import Placement, View
 
+BACK, FRONT = 1, 2
+"""What ``cull`` removes."""
+
 HALVES = 5
 """Half-planes of a triangle: three edges, near and far."""
 
@@ -72,7 +75,7 @@ class Triangles:
         """Return a triangle, or the intersection of some of its half-planes, as a piece."""
         zeta = Surd(affine(self.zeta[triangle]), NOTHING, NOTHING, constant(self.det[triangle]))
         extent = tuple(affine(self.half[triangle, k]) for k in halves)
-        return Piece(int(self.face[triangle]), self.plane(triangle), zeta, extent)
+        return Piece(triangle, int(self.face[triangle]), self.plane(triangle), zeta, extent)
 
 
 def triangles_of(view: View, frame: Frame) -> Triangles:
@@ -118,19 +121,37 @@ def _placed(view: View, frame: Frame, placement: Placement, polygons: Polygons, 
     beyond = in_front & (~inside[vertex]).all(axis=1).any(axis=1)
     keep = ahead[vertex].any(axis=1) & ~beyond & (box[:, 0] <= box[:, 2]) & (box[:, 1] <= box[:, 3])
 
-    a, b, c = (corners[vertex[keep, k]] for k in range(3))
-    edges = np.stack([cross(b, c), cross(c, a), cross(a, b)], axis=1)
-    det = (a[:, :3] * edges[:, 0]).sum(axis=1)
+    cut = ~(inside[vertex].all(axis=1) & in_front[:, None])
+
+    edges, zeta, det = _edges(corners, vertex[keep])
     front = (det < 0) if placement.mirrored else (det > 0)
-    drawn = (det != 0) & (front if placement.cull == 1 else ~front if placement.cull == 2 else True)
-    side = np.where(det > 0, 1, -1)[:, None]
-    edges, det = edges * side[:, None], det * side[:, 0]
-    zeta = a[:, 3:] * edges[:, 0] + b[:, 3:] * edges[:, 1] + c[:, 3:] * edges[:, 2]
-    cut = ~(inside[vertex[keep]].all(axis=1) & in_front[keep, None])
-    half = np.concatenate([edges, _within(frame, zeta, det, cut)], axis=1)
-    face = polygons.triangle_face[keep] + np.int32(placement.first)
-    kept = Triangles(half, zeta, det, face, box[keep])
-    return Triangles(*(array[drawn] for array in _fields(kept)))
+    drawn = (det != 0) & (front if placement.cull == BACK else ~front if placement.cull == FRONT else True)
+    edges, zeta, det = _towards_eye(edges[drawn], zeta[drawn], det[drawn])
+    kept = np.flatnonzero(keep)[drawn]
+    half = np.concatenate([edges, _within(frame, zeta, det, cut[kept])], axis=1)
+    face = polygons.triangle_face[kept] + np.int32(placement.first)
+    return Triangles(half, zeta, det, face, box[kept])
+
+
+def _edges(corners: Array, vertex: Ints) -> tuple[Array, Array, Array]:
+    """Edge functions (n, 3, 3) against the corners in turn, det zeta (n, 3), and det (n,).
+
+    Each edge of the mesh is computed once, from its lower vertex to the higher.
+    """
+    ends = np.sort(vertex[:, [[1, 2], [2, 0], [0, 1]]], axis=2).astype(np.int64)
+    lines, which = np.unique(ends[:, :, 0] * len(corners) + ends[:, :, 1], return_inverse=True)
+    from_low = cross(corners[lines // len(corners)], corners[lines % len(corners)])
+    rising = np.where(vertex[:, [1, 2, 0]] < vertex[:, [2, 0, 1]], 1, -1)
+    edges = from_low[which.reshape(vertex.shape)] * rising[:, :, None]
+    h = corners[vertex, 3][:, :, None]
+    zeta = h[:, 0] * edges[:, 0] + h[:, 1] * edges[:, 1] + h[:, 2] * edges[:, 2]
+    return edges, zeta, (corners[vertex[:, 0], :3] * edges[:, 0]).sum(axis=1)
+
+
+def _towards_eye(edges: Array, zeta: Array, det: Array) -> tuple[Array, Array, Array]:
+    """Turn the corners of clockwise triangles round, so that det is positive."""
+    side = np.where(det > 0, 1, -1)
+    return edges * side[:, None, None], zeta * side[:, None], det * side
 
 
 def cross(a: Array, b: Array) -> Array:
@@ -144,11 +165,15 @@ def _within(frame: Frame, zeta: Array, det: Array, cut: Bools) -> Array:
     """Half-planes (n, 2, 3) of near and far; (0, 0, 1), which says nothing, where they do not cut."""
     half = np.zeros((len(det), 2, 3), dtype=object)
     half[:, :, 2] = 1
-    for side, (a, b, c, k) in enumerate(frame.limits):
+    for side, limit in enumerate(frame.limits):
         which = cut[:, side]
-        plane = np.array([a, b, c], dtype=object)
-        half[which, side] = det[which, None] * plane + k * zeta[which]
+        half[which, side] = on_planes(limit, zeta[which], det[which])
     return half
+
+
+def on_planes(form: Array, zeta: Array, det: Array) -> Array:
+    """Coefficients (n, 3) of the affine functions that a form is on planes, times ``det``."""
+    return det[:, None] * form[:3] + form[3] * zeta
 
 
 def boxes(view: View, corners: Array, vertex: Ints, ahead: Bools) -> Ints:

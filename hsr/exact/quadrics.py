@@ -21,15 +21,12 @@ from hsr.arrays import Array, Ints
 from hsr.exact.decide import Form, Piece
 from hsr.exact.germs import NOTHING, I, J, Polynomial, Surd, affine, constant
 from hsr.exact.numbers import Frame, integers, inverse
-from hsr.exact.planes import boxes, plane_name
+from hsr.exact.planes import BACK, FRONT, boxes, plane_name
 from hsr.scene.shapes import Kind
 from hsr.viewing import Placement, View
 
 BALL = np.diag(np.array([1, 1, 1, -1], dtype=object))
 TUBE = np.diag(np.array([1, 1, 0, -1], dtype=object))
-BACK, FRONT = 1, 2
-"""What ``cull`` removes."""
-
 
 @dataclass(frozen=True, eq=False)
 class Round:
@@ -46,13 +43,16 @@ class Round:
     box: Ints
 
 
-def rounds_of(view: View, frame: Frame) -> list[Round]:
-    """Collect the pieces of all spheres and cylinders of a view that can be seen on its image."""
+def rounds_of(view: View, frame: Frame, number: int) -> list[Round]:
+    """Collect the pieces of all spheres and cylinders of a view that can be seen on its image.
+
+    They are numbered from ``number``.
+    """
     found: list[Round] = []
     for placement in view.placements:
         if placement.shape.curved:
             found += _placed(view, frame, placement)
-    return found
+    return [replace(this, piece=replace(this.piece, number=number + k)) for k, this in enumerate(found)]
 
 
 def _placed(view: View, frame: Frame, placement: Placement) -> Iterator[Round]:
@@ -131,10 +131,10 @@ class Quadric:
         square = self.b * self.b - self.a * self.c
         if not self.a.is_zero():
             zeta = Surd(-self.b, constant(side), square, self.a)
-            yield Piece(face, self._name(side), zeta, (square,), inside)
+            yield Piece(0, face, self._name(side), zeta, (square,), inside)
         elif not self.b.is_zero():
             zeta = Surd(-self.c, NOTHING, NOTHING, 2 * self.b)
-            yield Piece(face, self._name(side), zeta, (side * self.b,), inside)
+            yield Piece(0, face, self._name(side), zeta, (side * self.b,), inside)
 
     def _name(self, side: int) -> tuple[Hashable, ...]:
         """Name the surface, whatever the scale of its equation."""
@@ -148,4 +148,4 @@ class Quadric:
         offset, slope = plane
         value = self.a * offset * offset - 2 * self.b * offset * slope + self.c * slope * slope
         name = plane_name([*(int(offset[power]) for power in ((1, 0), (0, 1), (0, 0))), int(slope[0, 0])])
-        return Piece(face, name, Surd(-offset, NOTHING, NOTHING, slope), (-value,))
+        return Piece(0, face, name, Surd(-offset, NOTHING, NOTHING, slope), (-value,))

@@ -14,19 +14,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr.arrays import Array, Bools, Floats, Ints
-from hsr.exact.decide import Piece, decide
+from hsr.exact.decide import Answer, Piece, decide
 from hsr.exact.filter import Candidates, TriangleTables
 from hsr.exact.planes import HALVES, Triangles
 from hsr.exact.quadrics import Round
+from hsr.visibility import BACKGROUND
 
 CHUNK = 1 << 17
 """Candidates whose integers are held at a time."""
 
 LEVEL_BITS = 26
 """Bits for a depth level in a code, beside 31 for the triangle and one for each half-plane."""
-
-Answer = tuple[int, frozenset[int]]
-"""The owner, and all admissible owners."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,10 +90,10 @@ def settle(problem: Problem, found: Candidates, unsettled: Array) -> Iterator[Ve
     entry = np.repeat(found.start[unsettled] - (np.cumsum(count) - count), count) + np.arange(count.sum())
     sample = np.repeat(unsettled, count)
     piece, sure = found.piece[entry], found.sure[entry]
-    curved = np.unique(sample[piece >= len(problem.triangles)])
-    if len(curved):
-        yield _settle_curved(problem, found, curved)
-    flat = ~np.isin(sample, curved)
+    curved = np.zeros(len(found.start) - 1, dtype=np.bool_)
+    curved[sample[piece >= len(problem.triangles)]] = True
+    yield _settle_curved(problem, found, np.flatnonzero(curved))
+    flat = ~curved[sample]
     yield from _settle_flat(problem, sample[flat], piece[flat], sure[flat])
 
 
@@ -129,11 +127,10 @@ def _settle_curved(problem: Problem, found: Candidates, samples: Array) -> Verdi
 
 def _settle_flat(problem: Problem, sample: Array, piece: Ints, sure: Bools) -> Iterator[Verdicts]:
     """Decide samples where only triangles meet; one entry a candidate."""
-    unsettled = np.unique(sample)
     edges, inside = _edges_met(problem, sample, piece, sure)
+    bare = sample[_firsts(sample)][~np.logical_or.reduceat(inside, _firsts(sample))] if len(sample) else sample
+    yield Verdicts(bare, np.zeros(len(bare), np.int64), [(BACKGROUND, frozenset({BACKGROUND}))])
     sample, piece, edges = sample[inside], piece[inside], edges[inside]
-    left_bare = np.setdiff1d(unsettled, sample)
-    yield Verdicts(left_bare, np.zeros(len(left_bare), np.int64), [(-1, frozenset({-1}))])
 
     order, level = _by_depth(problem, sample, piece)
     sample, piece, edges = sample[order], piece[order], edges[order]
@@ -179,8 +176,8 @@ def _by_depth(problem: Problem, sample: Array, piece: Ints) -> tuple[Array, Arra
         wrong = wrong[np.diff(wrong, prepend=-2) > 1]
         order[wrong], order[wrong + 1] = order[wrong + 1], order[wrong]
     deeper = np.cumsum(np.concatenate([[0], step])[: len(order)])
-    _, first, count = np.unique(sample[order], return_index=True, return_counts=True)
-    return order, deeper - np.repeat(deeper[first], count)
+    first = _firsts(sample[order])
+    return order, deeper - np.repeat(deeper[first], np.diff(first, append=len(order)))
 
 
 def _planes(problem: Problem, piece: Ints) -> Array:
@@ -225,31 +222,34 @@ def _compared(problem: Problem, sample: Array, one: Ints, other: Ints) -> Array:
 
 def _down_to_full(sample: Array, level: Array, full: Bools) -> Bools:
     """Keep what lies no deeper than the first triangle that covers a sample's neighbourhood."""
-    _, first, count = np.unique(sample, return_index=True, return_counts=True)
+    first = _firsts(sample)
     floor = np.minimum.reduceat(np.where(full, level, len(level)), first) if len(first) else level
-    return np.asarray(level <= np.repeat(floor, count))
+    return np.asarray(level <= np.repeat(floor, np.diff(first, append=len(sample))))
+
+
+def _firsts(sample: Array) -> Array:
+    """Where in a list ordered by sample each sample begins."""
+    return np.flatnonzero(np.diff(sample, prepend=-1))
 
 
 def _by_situation(problem: Problem, sample: Array, code: Array) -> Iterator[Verdicts]:
     """Decide each situation once: the sequence of codes of a sample's candidates."""
-    names, first, count = np.unique(sample, return_index=True, return_counts=True)
-    for length in np.unique(count):
-        these = count == length
-        rows = code[first[these][:, None] + np.arange(length)]
+    first = _firsts(sample)
+    count = np.diff(first, append=len(sample))
+    for length in np.flatnonzero(np.bincount(count)):
+        these = first[count == length]
+        rows = code[these[:, None] + np.arange(length)]
         situations, example, which = np.unique(rows, axis=0, return_index=True, return_inverse=True)
-        answers = [
-            _decide_situation(problem, names[these][k], situation)
-            for k, situation in zip(example, situations, strict=True)
-        ]
-        yield Verdicts(names[these], which, answers)
+        i, j = problem.at(sample[these[example]])
+        answers = [_decide_situation(problem, *case) for case in zip(situations, i, j, strict=True)]
+        yield Verdicts(sample[these], which, answers)
 
 
-def _decide_situation(problem: Problem, sample: int, situation: Array) -> Answer:
+def _decide_situation(problem: Problem, situation: Array, i: int, j: int) -> Answer:
     """Decide by one of its samples; only half-planes met there bound what is near by."""
     pieces = []
     for code in situation.tolist():
         edges = code >> LEVEL_BITS & (1 << HALVES) - 1
         halves = [k for k in range(HALVES) if edges >> k & 1]
         pieces.append(problem.triangles.piece(code >> LEVEL_BITS + HALVES, halves))
-    i, j = problem.at(np.array(sample))
     return decide(pieces, i, j, problem.nearer)
