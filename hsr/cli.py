@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
+from rich.console import Console, JustifyMethod
 from rich.table import Table
 
 from hsr import __version__
@@ -253,28 +253,68 @@ def _require(studies: Sequence[Study], asked: set[str]) -> None:
 
 
 def _print_studies(studies: Sequence[Study], verbose: bool) -> None:
-    for reference in dict.fromkeys(found.reference for found in studies):
-        part = [found for found in studies if found.reference == reference]
-        names = list(dict.fromkeys(name for found in part for name in found.methods))
-        table = _table("scene", *names, title=f"samples that differ from {reference}, and render time")
-        for found in part:
-            table.add_row(found.name, *(_cell(found, name) for name in names))
-        out.print(table)
-    for found in studies:
-        if verbose:
-            for difference in found.differences.values():
-                out.print(f"{found.name}: {difference.summary()}", markup=False, soft_wrap=True)
+    """Print one table a scene; of several scenes only their sum, unless more is wanted."""
+    if len(studies) == 1 or verbose:
+        for found in studies:
+            _print_study(found, verbose)
+    if len(studies) > 1:
+        _print_sum(studies)
 
 
-def _cell(found: Study, name: str) -> str:
-    if name in found.skipped:
-        return "[dim]skipped[/dim]" if name not in found.missing else "[dim]not available[/dim]"
-    if name not in found.maps:
-        return ""
-    time = f"[dim]{_time(found.maps[name].seconds)}[/dim]"
-    if name not in found.differences:
-        return f"[dim]reference[/dim]\n{time}"
-    return f"{found.differences[name].different:,}\n{time}"
+def _print_study(found: Study, verbose: bool) -> None:
+    from hsr.difference.classes import DIFFERENT
+
+    title = f"{found.name}, {found.view.width}x{found.view.height}, against {found.reference or 'nothing'}"
+    table = _table("method", "differ", *DIFFERENT, "largest cluster", "render", title=title)
+    for name in found.methods:
+        if name in found.skipped:
+            table.add_row(name, _absence(found, name))
+            continue
+        render_time = _time(found.maps[name].seconds)
+        if name not in found.differences:
+            table.add_row(name, "reference" if name == found.reference else "-", *[""] * 5, render_time)
+            continue
+        difference = found.differences[name]
+        counts = (f"{difference.counts[kind]:,}" for kind in DIFFERENT)
+        table.add_row(name, f"{difference.different:,}", *counts, f"{difference.largest:,}", render_time)
+    out.print(table)
+    for name, reason in found.skipped.items():
+        out.print(f"{name}: {reason}", markup=False, soft_wrap=True)
+    if verbose:
+        for difference in found.differences.values():
+            out.print(difference.summary(), markup=False, soft_wrap=True)
+    out.print()
+
+
+def _absence(found: Study, name: str) -> str:
+    return "not available" if name in found.missing else "skipped"
+
+
+def _print_sum(studies: Sequence[Study]) -> None:
+    """Print one row a method over all scenes."""
+    references = ", ".join(dict.fromkeys(found.reference or "nothing" for found in studies))
+    title = f"{len(studies)} scenes, samples that show another face than {references}"
+    table = _table("method", "scenes", "differ", "share", "most of them in", "render", title=title)
+    for name in dict.fromkeys(name for found in studies for name in found.methods):
+        table.add_row(name, *_sum_cells([found for found in studies if name in found.methods], name))
+    out.print(table)
+    if any(found.tessellating for found in studies):
+        out.print("Methods that keep curved shapes exact rightly differ along the outlines of polygons.")
+
+
+def _sum_cells(studies: Sequence[Study], name: str) -> tuple[str, ...]:
+    ran = [found for found in studies if name in found.maps]
+    if not ran:
+        return ("0", _absence(studies[0], name))
+    total = 1e3 * sum(found.maps[name].seconds["render"] for found in ran)
+    judged = [found for found in ran if name in found.differences]
+    if not judged:
+        return (str(len(ran)), "reference", "", "", f"{total:,.0f} ms")
+    differ = sum(found.differences[name].different for found in judged)
+    samples = sum(found.view.width * found.view.height for found in judged)
+    worst = max(judged, key=lambda found: found.differences[name].different)
+    most = f"{worst.name} {worst.differences[name].different:,}"
+    return (str(len(ran)), f"{differ:,}", f"{differ / samples:.3%}", most, f"{total:,.0f} ms")
 
 
 # ---------------------------------------------------------------- diff
@@ -412,7 +452,8 @@ def _table(*columns: str, title: str | None = None, right: Sequence[str] | None 
     table = Table(title=title, box=None, pad_edge=False, title_justify="left")
     numbers = columns[1:] if right is None else right
     for column in columns:
-        table.add_column(column, justify="right" if column in numbers else "left")
+        side: JustifyMethod = "right" if column in numbers else "left"
+        table.add_column(column, justify=side, no_wrap=column == columns[0])
     return table
 
 

@@ -140,7 +140,9 @@ def load_map(path: str | Path) -> VisibilityMap:
     )
 
 
-def depth_format(stored: str, step: float, near: float, far: float) -> dict[str, Any]:
+def depth_format(
+    stored: str, step: float, near: float, far: float, perspective: bool = True
+) -> dict[str, Any]:
     """Describe how a method stored its depths, for the note ``depth_format`` of its map.
 
     Parameters
@@ -151,8 +153,16 @@ def depth_format(stored: str, step: float, near: float, far: float) -> dict[str,
         Distance of neighbouring values: of 1 (window), or relative to the depth (distance).
     near, far : float
         Of the view; far may be infinite, then it is noted as None.
+    perspective : bool
+        Of the view: whether window depth runs with the inverse of the distance, or with it.
     """
-    return {"stored": stored, "step": step, "near": near, "far": far if far < float("inf") else None}
+    return {
+        "stored": stored,
+        "step": step,
+        "near": near,
+        "far": far if far < float("inf") else None,
+        "perspective": perspective,
+    }
 
 
 class Clock:

@@ -36,6 +36,8 @@ class Method:
         Whether spheres and cylinders are exact; otherwise they are tessellated.
     needs : str
         What the machine must have: ``"opengl"``, ``"embree"`` or nothing.
+    exhaustive : bool
+        Whether it may test every face at every sample, which large scenes make slow.
     """
 
     name: str
@@ -44,6 +46,7 @@ class Method:
     settings: Mapping[str, Any] = field(default_factory=dict)
     curved: bool = False
     needs: str = ""
+    exhaustive: bool = False
 
     def options(self, **overrides: Any) -> Any:
         """Return the options of this variant, with some of them replaced.
@@ -88,9 +91,7 @@ BUILT_IN = (
         "hsr.algorithms.zbuffer",
         {"arithmetic": "float32", "stepping": "direct"},
     ),
-    Method(
-        "raycast", "ray casting, coherent tiles of rays", "hsr.algorithms.raycast", {}, True
-    ),
+    Method("raycast", "ray casting, coherent tiles of rays", "hsr.algorithms.raycast", {}, True),
     Method(
         "raycast-single",
         "ray casting, one ray at a time through extents and hierarchies",
@@ -104,6 +105,7 @@ BUILT_IN = (
         "hsr.algorithms.raycast",
         {"acceleration": "extents"},
         True,
+        exhaustive=True,
     ),
     Method(
         "raycast-list",
@@ -111,6 +113,7 @@ BUILT_IN = (
         "hsr.algorithms.raycast",
         {"acceleration": "none"},
         True,
+        exhaustive=True,
     ),
     Method("opengl", "headless OpenGL: OSMesa, else EGL", "hsr.algorithms.opengl", {}, False, "opengl"),
     Method("embree", "Embree through embreex's own API", "hsr.algorithms.embree", {}, False, "embree"),

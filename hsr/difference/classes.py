@@ -1,0 +1,405 @@
+"""Where two visibility maps differ, sample by sample, and in what way.
+
+Maps are compared by face id and by depth, never by colour: two faces may well be painted alike.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy import ndimage
+
+from hsr.arrays import Array, Bools, Floats, Ints, Pixels
+from hsr.errors import MapError
+from hsr.visibility import BACKGROUND, VisibilityMap, depth_format
+
+LISTED_JSON = 50
+"""How many clusters the JSON form lists; the count is always that of all."""
+
+FLOAT64 = depth_format("distance", 2.0**-52, 0.0, math.inf)
+"""How a map without the note ``depth_format`` holds its depths."""
+
+NO_FACE = BACKGROUND - 1
+"""What surrounds a map: equal to no face and not to the background."""
+
+
+class SampleClass(IntEnum):
+    """How a sample of map a compares with the same sample of map b, the reference."""
+
+    SAME = 0
+    MISSING = 1
+    EXTRA = 2
+    WRONG_FACE = 3
+    DEPTH_ONLY = 4
+
+    @property
+    def label(self) -> str:
+        """The name as people read it: ``wrong face``."""
+        return self.name.lower().replace("_", " ")
+
+
+OTHER_OWNER = (SampleClass.WRONG_FACE, SampleClass.MISSING, SampleClass.EXTRA)
+"""The classes that count as a difference; depth alone is reported, not judged."""
+
+DIFFERENT = tuple(kind.label for kind in (*OTHER_OWNER, SampleClass.DEPTH_ONLY))
+"""Names of all classes but *same*."""
+
+
+@dataclass(frozen=True)
+class Cluster:
+    """Differing samples that hang together, over sides or corners.
+
+    Attributes
+    ----------
+    size : int
+        Number of samples.
+    box : tuple of 4 int
+        ``(row0, column0, row1, column1)``; row0 and column0 belong to it, row1 and column1 do not.
+    kind : SampleClass
+        The commonest class of its samples.
+    sample : tuple of 2 int
+        ``(row, column)`` of its first sample in reading order.
+    shown, expected : int
+        Face ids of a and of b at that sample.
+    """
+
+    size: int
+    box: tuple[int, int, int, int]
+    kind: SampleClass
+    sample: tuple[int, int]
+    shown: int
+    expected: int
+
+
+@dataclass(frozen=True)
+class DepthError:
+    """How far the depths lie apart where both maps show the same face, in scene units.
+
+    Attributes
+    ----------
+    samples : int
+        Number of samples at which both maps show the same face, at finite depths; the other figures
+        are 0 without any.
+    max, mean, rms : float
+        Of the absolute difference.
+    where : tuple of 2 int or None
+        ``(row, column)`` of the largest difference.
+    """
+
+    samples: int
+    max: float
+    mean: float
+    rms: float
+    where: tuple[int, int] | None
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Who is right at the samples where a and b show different owners."""
+
+    a_right: int
+    b_right: int
+    neither: int
+
+
+@dataclass(frozen=True, eq=False)
+class Difference:
+    """Map a judged against map b, the reference.
+
+    Attributes
+    ----------
+    a, b : VisibilityMap
+    classes : (H, W) uint8
+        A :class:`SampleClass` per sample; row 0 is the top row.
+    clusters : tuple of Cluster
+        Connected samples of another owner, the largest first.
+    near : int
+        Differing samples whose face b shows at one of the eight neighbours: off by one pixel.
+    depth : DepthError
+    verdict : Verdict or None
+        Given the truth: which of the two is right where they differ.
+    """
+
+    a: VisibilityMap
+    b: VisibilityMap
+    classes: Pixels
+    clusters: tuple[Cluster, ...]
+    near: int
+    depth: DepthError
+    verdict: Verdict | None = None
+
+    @cached_property
+    def counts(self) -> dict[str, int]:
+        """Number of samples of each class, by its name."""
+        number = np.bincount(self.classes.ravel(), minlength=len(SampleClass))
+        return {kind.label: int(number[kind]) for kind in SampleClass}
+
+    @property
+    def total(self) -> int:
+        """Number of samples."""
+        return int(self.classes.size)
+
+    @property
+    def different(self) -> int:
+        """Number of samples at which another owner is shown: missing, extra or wrong face."""
+        return sum(self.counts[kind.label] for kind in OTHER_OWNER)
+
+    @property
+    def same(self) -> bool:
+        """Whether both maps show the same owner everywhere. Depths are not judged."""
+        return self.different == 0
+
+    @property
+    def largest(self) -> int:
+        """Number of samples in the largest cluster."""
+        return self.clusters[0].size if self.clusters else 0
+
+    def summary(self, clusters: int | None = 5) -> str:
+        """Return the figures in one line, and a line for each of the largest clusters.
+
+        Parameters
+        ----------
+        clusters : int or None
+            How many clusters to name at most; all of them for None.
+        """
+        named = self.clusters[:clusters]
+        lines = [self._headline(), *(f"  {self.describe(cluster)}" for cluster in named)]
+        if len(named) < len(self.clusters):
+            lines.append(f"  and {len(self.clusters) - len(named)} more clusters")
+        if self.verdict is not None:
+            a, b, neither = self.verdict.a_right, self.verdict.b_right, self.verdict.neither
+            lines.append(f"  right there: {self.a.method} {a}, {self.b.method} {b}, neither {neither}")
+        return "\n".join(lines)
+
+    def __str__(self) -> str:
+        return self.summary()
+
+    def _headline(self) -> str:
+        size = f"{self.a.width}x{self.a.height}"
+        text = f"{self.a.method} vs {self.b.method}  {size}  {self.different} differ"
+        counts = self.counts
+        parts = [f"{counts[kind.label]} {kind.label}" for kind in OTHER_OWNER if counts[kind.label]]
+        if parts:
+            text += f" ({', '.join(parts)}), largest cluster {self.largest}, {self.near} off by one pixel"
+        depth_only = counts[SampleClass.DEPTH_ONLY.label]
+        return text + (f"; {depth_only} depth only" if depth_only else "")
+
+    def describe(self, cluster: Cluster) -> str:
+        """Say in one line where a cluster is and which faces are concerned."""
+        row0, column0, row1, column1 = cluster.box
+        where = f"{span('row', row0, row1)}, {span('column', column0, column1)}"
+        faces = f"shows {self.a.name_of(cluster.shown)}, expected {self.b.name_of(cluster.expected)}"
+        return f"{cluster.size} {cluster.kind.label}  {where}  {faces}"
+
+    def to_json(self) -> dict[str, Any]:
+        """Return all figures as JSON values; clusters up to the first 50."""
+        verdict = self.verdict
+        return {
+            "a": self.a.method,
+            "b": self.b.method,
+            "size": [self.a.width, self.a.height],
+            "total": self.total,
+            "different": self.different,
+            "same": self.same,
+            "near": self.near,
+            "counts": self.counts,
+            "cluster_count": len(self.clusters),
+            "largest_cluster": self.largest,
+            "clusters": [self._cluster_json(cluster) for cluster in self.clusters[:LISTED_JSON]],
+            "depth": {
+                "samples": self.depth.samples,
+                "max": self.depth.max,
+                "mean": self.depth.mean,
+                "rms": self.depth.rms,
+                "where": self.depth.where and list(self.depth.where),
+            },
+            "truth": verdict and vars(verdict),
+        }
+
+    def _cluster_json(self, cluster: Cluster) -> dict[str, Any]:
+        return {
+            "size": cluster.size,
+            "class": cluster.kind.label,
+            "box": list(cluster.box),
+            "sample": list(cluster.sample),
+            "shown": self.a.name_of(cluster.shown),
+            "expected": self.b.name_of(cluster.expected),
+        }
+
+
+def span(what: str, start: int, stop: int) -> str:
+    """Name the rows or columns from ``start`` to before ``stop``: ``row 4``, ``rows 4..7``."""
+    return f"{what} {start}" if stop == start + 1 else f"{what}s {start}..{stop - 1}"
+
+
+# ---------------------------------------------------------------- comparing
+
+
+def compare(a: VisibilityMap, b: VisibilityMap, truth: VisibilityMap | None = None) -> Difference:
+    """Judge a map against a reference.
+
+    Every sample falls into one class, the first that applies:
+
+    * *missing*: b shows a face and a the background;
+    * *extra*: a shows a face and b the background;
+    * *wrong face*: both show a face, and not the same;
+    * *depth only*: both show the same face, at depths further apart than rounding explains;
+    * *same*.
+
+    Rounding explains this much. Let a map store depth as a number with spacing ``s`` between
+    neighbouring values, which in scene units is ``step(d)`` at depth ``d`` (:func:`depth_step`).
+    A scan-line method reaches a sample by at most H steps down an edge and W along a span; each
+    addition is off by at most half a spacing, so the stored value is off by at most
+    ``(W + H) / 2`` spacings. Both maps may err, in opposite directions, so depths differ beyond
+    rounding where ``|d_a - d_b| > (W + H) / 2 * (step_a(d_a) + step_b(d_b))``, strictly.
+
+    Parameters
+    ----------
+    a : VisibilityMap
+        The map that is judged.
+    b : VisibilityMap
+        The reference.
+    truth : VisibilityMap, optional
+        Tells which of the two is right where their faces differ.
+
+    Returns
+    -------
+    Difference
+
+    Raises
+    ------
+    MapError
+        If the maps have different sizes, or show different scenes or by different cameras.
+    """
+    _check_comparable(a, b)
+    if truth is not None:
+        _check_comparable(a, truth)
+    classes, depth = _classify(a, b)
+    differs = (classes != SampleClass.SAME) & (classes != SampleClass.DEPTH_ONLY)
+    return Difference(
+        a,
+        b,
+        classes,
+        _clusters(differs, classes, a.face, b.face),
+        _count_near(differs, a.face, b.face),
+        depth,
+        None if truth is None else _judge(differs, a.face, b.face, truth.face),
+    )
+
+
+def _check_comparable(a: VisibilityMap, b: VisibilityMap) -> None:
+    if a.face.shape != b.face.shape:
+        raise MapError(
+            f"cannot compare {a.method} at {a.width}x{a.height} with {b.method} at {b.width}x{b.height}: "
+            "render both at one size"
+        )
+    for what in ("scene", "camera"):
+        if what in a.hashes and what in b.hashes and a.hashes[what] != b.hashes[what]:
+            raise MapError(
+                f"cannot compare {a.method} with {b.method}: they show different {what}s; render both anew"
+            )
+
+
+def depth_step(map: VisibilityMap, depth: Floats) -> Floats:
+    """Distance between neighbouring depths that a map can hold, to first order.
+
+    A window depth under perspective is ``z = (1/near - 1/d) / (1/near - 1/far)``; its derivative by
+    d is ``1 / (d^2 (1/near - 1/far))``, so a spacing ``s`` of z is ``s d^2 (1/near - 1/far)`` of d.
+    Of a parallel view ``z = (d - near) / (far - near)``, and a spacing is ``s (far - near)``
+    everywhere. A stored distance is a float: its spacing is relative, ``s |d|``.
+
+    Parameters
+    ----------
+    map : VisibilityMap
+        Its note ``depth_format`` says how depth is stored; float64 distance without it.
+    depth : (n,) float64
+        Scene units along the view axis.
+
+    Returns
+    -------
+    (n,) float64
+        Scene units.
+    """
+    form = map.notes.get("depth_format", FLOAT64)
+    step, near = float(form["step"]), float(form["near"])
+    far = math.inf if form["far"] is None else float(form["far"])
+    if form["stored"] == "distance":
+        relative: Floats = step * np.abs(depth)
+        return relative
+    if form["perspective"]:
+        return step * depth**2 * (1.0 / near - 1.0 / far)
+    return np.full_like(depth, step * (far - near))
+
+
+def _classify(a: VisibilityMap, b: VisibilityMap) -> tuple[Pixels, DepthError]:
+    in_a, in_b = a.face != BACKGROUND, b.face != BACKGROUND
+    classes = np.full(a.face.shape, SampleClass.SAME, dtype=np.uint8)
+    classes[~in_a & in_b] = SampleClass.MISSING
+    classes[in_a & ~in_b] = SampleClass.EXTRA
+    classes[in_a & in_b & (a.face != b.face)] = SampleClass.WRONG_FACE
+
+    agreed = np.flatnonzero(in_a & (a.face == b.face))
+    depth_a, depth_b = a.depth.ravel()[agreed], b.depth.ravel()[agreed]
+    with np.errstate(invalid="ignore"):  # a face at infinite depth: no number, so no gap
+        gap = np.abs(depth_a - depth_b)
+        allowed = (a.width + a.height) / 2.0 * (depth_step(a, depth_a) + depth_step(b, depth_b))
+    known = np.isfinite(gap)
+    classes.ravel()[agreed[~known | (gap > allowed)]] = SampleClass.DEPTH_ONLY
+    return classes, _depth_error(gap[known], agreed[known], a.width)
+
+
+def _depth_error(gap: Floats, samples: Array, width: int) -> DepthError:
+    if not len(gap):
+        return DepthError(0, 0.0, 0.0, 0.0, None)
+    worst = int(gap.argmax())
+    row, column = divmod(int(samples[worst]), width)
+    rms = math.sqrt(float(np.square(gap).mean()))
+    return DepthError(len(gap), float(gap[worst]), float(gap.mean()), rms, (row, column))
+
+
+def _clusters(differs: Bools, classes: Pixels, shown: Ints, expected: Ints) -> tuple[Cluster, ...]:
+    """Find connected components over sides and corners: largest first, equal ones in reading order."""
+    labels, count = ndimage.label(differs, structure=np.ones((3, 3)))
+    samples = np.flatnonzero(differs)
+    label = labels.ravel()[samples] - 1
+    tally = np.zeros((count, len(SampleClass)), dtype=np.int64)
+    np.add.at(tally, (label, classes.ravel()[samples]), 1)
+    first = samples[np.unique(label, return_index=True)[1]]
+
+    def cluster(k: int) -> Cluster:
+        rows, columns = boxes[k]
+        row, column = divmod(int(first[k]), differs.shape[1])
+        return Cluster(
+            int(tally[k].sum()),
+            (rows.start, columns.start, rows.stop, columns.stop),
+            SampleClass(int(tally[k].argmax())),
+            (row, column),
+            int(shown[row, column]),
+            int(expected[row, column]),
+        )
+
+    boxes = ndimage.find_objects(labels)
+    return tuple(sorted(map(cluster, range(count)), key=lambda found: (-found.size, found.sample)))
+
+
+def _count_near(differs: Bools, shown: Ints, expected: Ints) -> int:
+    """Count the differing samples whose face the reference shows at one of the eight neighbours."""
+    rows, columns = np.nonzero(differs)
+    face = shown[rows, columns]
+    around = np.pad(expected, 1, constant_values=NO_FACE)
+    near = np.zeros(len(face), dtype=np.bool_)
+    for down in (0, 1, 2):
+        for right in (0, 1, 2):
+            near |= around[rows + down, columns + right] == face
+    return int(near.sum())
+
+
+def _judge(differs: Bools, a: Ints, b: Ints, truth: Ints) -> Verdict:
+    a_right = int((differs & (a == truth)).sum())
+    b_right = int((differs & (b == truth)).sum())
+    return Verdict(a_right, b_right, int(differs.sum()) - a_right - b_right)

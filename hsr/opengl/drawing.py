@@ -1,0 +1,204 @@
+"""A view uploaded to OpenGL: drawn as often as one likes, read back as face ids and depths.
+
+The triangles are drawn in order of their faces, with float32 vertices and matrix, one sample a
+pixel, into two attachments: R32I for the number of the triangle + 1, cleared to 0, and a depth
+buffer of 24 bits, cleared to 1 and compared by ``GL_LESS``, so that of two equal stored depths
+the lower face wins. Who owns a sample on an edge is the driver's rule: OpenGL only promises one
+owner for an edge two triangles share.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import moderngl
+import numpy as np
+
+from hsr.arrays import Array, Floats, Ints
+from hsr.errors import MethodError
+from hsr.viewing import CULL, View
+from hsr.visibility import BACKGROUND
+
+if TYPE_CHECKING:
+    from hsr.opengl.contexts import Context
+
+DEPTH_BITS = 24
+"""moderngl's depth textures are ``GL_DEPTH_COMPONENT24``: integers over 2**24 - 1."""
+
+DEPTH_STEP = 1.0 / (2**DEPTH_BITS - 1)
+"""Distance of neighbouring stored depths; near is stored as 0, far as 1."""
+
+VERTEX_SHADER = """
+#version 330
+uniform mat4 clip_from_world;
+in vec3 vertex;
+void main() { gl_Position = clip_from_world * vec4(vertex, 1.0); }
+"""
+
+FRAGMENT_SHADER = """
+#version 330
+uniform int first;
+out int triangle;
+void main() { triangle = first + gl_PrimitiveID + 1; }
+"""
+
+
+class Drawing:
+    """One view in the memory of OpenGL.
+
+    A triangle is numbered by ``gl_PrimitiveID`` and named after its face when read, so that vertices
+    stay shared and a mesh costs what it costs any OpenGL program.
+
+    Parameters
+    ----------
+    context : Context
+    view : View
+        Curved shapes are tessellated.
+
+    Raises
+    ------
+    MethodError
+        If the image is larger than the driver draws, or a coordinate is beyond float32.
+    """
+
+    def __init__(self, context: Context, view: View) -> None:
+        _check_size(view, context.max_side)
+        polygons = view.tessellated().polygons
+        vertices, matrix = _as_float32(polygons.vertices), _as_float32(view.clip_from_world)
+        self.view = view
+        self.vertices = len(vertices)
+        self.triangles = len(polygons.triangle_vertex)
+        self._face_of = np.append(np.int32(BACKGROUND), polygons.triangle_face)
+        self._runs = _runs(polygons.cull[polygons.triangle_polygon])
+        self._matrix = tuple(matrix.T.ravel())  # OpenGL's matrices are column after column
+        self._context = context
+        with context.gl as gl:
+            self._upload(gl, vertices, polygons.triangle_vertex)
+
+    def _upload(self, gl: moderngl.Context, vertices: Array, corner: Ints) -> None:
+        size = (self.view.width, self.view.height)
+        vertex_buffer = gl.buffer(vertices)
+        corner_buffer = gl.buffer(np.ascontiguousarray(corner))
+        self._array = gl.vertex_array(
+            self._context.program, [(vertex_buffer, "3f", "vertex")], index_buffer=corner_buffer
+        )
+        triangle, depth = gl.texture(size, components=1, dtype="i4"), gl.depth_texture(size)
+        self._parts = (vertex_buffer, corner_buffer, self._array, triangle, depth)
+        try:
+            self._frame = gl.framebuffer([triangle], depth)
+        except moderngl.Error as error:
+            _release(self._parts)
+            raise MethodError(
+                f"opengl: the driver has no room for {size[0]}x{size[1]} samples; choose a smaller size"
+            ) from error
+
+    def draw(self) -> None:
+        """Clear, draw every triangle, and wait until all is drawn."""
+        with self._context.gl as gl:
+            self._frame.use()
+            self._frame.clear()  # of an integer attachment moderngl sets the bits of 0.0, which are 0
+            self._context.program["clip_from_world"] = self._matrix
+            gl.depth_func = "<"
+            for cull, first, count in self._runs:
+                _set_culling(gl, cull)
+                self._context.program["first"] = first
+                self._array.render(vertices=3 * count, first=3 * first)
+            gl.finish()
+
+    def read(self) -> tuple[Ints, Floats]:
+        """Return what was drawn.
+
+        OpenGL's row 0 is the bottom row; the rows are turned over here, and only here.
+
+        Returns
+        -------
+        face : (H, W) int32
+            -1 where nothing was drawn.
+        depth : (H, W) float64
+            Along the view axis, ``+inf`` where nothing was drawn.
+        """
+        shape = (self.view.height, self.view.width)
+        triangle, stored = np.empty(shape, np.int32), np.empty(shape, np.uint32)
+        with self._context.gl:
+            self._frame.read_into(triangle, components=1, attachment=0, dtype="i4")
+            self._frame.read_into(stored, components=1, attachment=-1, dtype="u4")
+        face = self._face_of[triangle[::-1]]
+        drawn = face != BACKGROUND
+        depth = np.full(shape, np.inf)
+        # OpenGL returns the stored integers as 32 bits, their upper bits repeated below.
+        window = (stored[::-1][drawn] >> (32 - DEPTH_BITS)) * DEPTH_STEP
+        depth[drawn] = depth_of_window(self.view, window)
+        return face, depth
+
+    def release(self) -> None:
+        """Give the memory back to OpenGL."""
+        with self._context.gl as gl:
+            gl.screen.use()  # a deleted frame must not stay bound
+            _release((self._frame, *self._parts))
+
+    def __enter__(self) -> Drawing:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.release()
+
+
+def depth_of_window(view: View, window: Floats) -> Floats:
+    """Carry stored depths back to depths along the view axis.
+
+    OpenGL stores z / w, moved from [-1, 1] to [0, 1]: affine in 1 / depth under perspective,
+    affine in depth for a parallel view (Foley, van Dam et al., *Computer Graphics: Principles and
+    Practice*, the canonical view volumes).
+
+    Parameters
+    ----------
+    view : View
+        Its far may be infinite.
+    window : float64 array
+        0 at near, 1 at far; below 1 if far is infinite.
+
+    Returns
+    -------
+    float64 array of the same shape
+    """
+    if view.perspective:
+        return 1.0 / ((1.0 - window) / view.near + window / view.far)
+    return (1.0 - window) * view.near + window * view.far
+
+
+def _check_size(view: View, max_side: int) -> None:
+    if max(view.width, view.height) > max_side:
+        raise MethodError(
+            f"opengl: this driver draws at most {max_side} samples a side, "
+            f"not {view.width}x{view.height}; choose a smaller size"
+        )
+
+
+def _as_float32(numbers: Floats) -> Array:
+    with np.errstate(over="ignore"):
+        rounded = numbers.astype(np.float32)
+    if not np.isfinite(rounded).all():
+        raise MethodError("opengl: the scene has coordinates beyond float32 (3.4e38); scale it down")
+    return rounded
+
+
+def _release(parts: Iterable[Any]) -> None:
+    for part in parts:
+        part.release()
+
+
+def _runs(cull: Array) -> list[tuple[int, int, int]]:
+    """Cut the triangles where culling changes: what to cull, first triangle, number of triangles."""
+    starts = np.append(0, np.flatnonzero(np.diff(cull)) + 1)
+    counts = np.diff(np.append(starts, len(cull)))
+    return [(int(cull[k]), int(k), int(count)) for k, count in zip(starts, counts, strict=True)]
+
+
+def _set_culling(gl: moderngl.Context, cull: int) -> None:
+    """Cull the back or the front: a front runs counter-clockwise, as OpenGL and the view both have it."""
+    if cull == CULL["none"]:
+        gl.enable_only(moderngl.DEPTH_TEST)
+        return
+    gl.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+    gl.cull_face = "back" if cull == CULL["back"] else "front"
