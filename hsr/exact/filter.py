@@ -20,7 +20,7 @@ import numpy as np
 
 from hsr.arrays import Array, Bools, Floats, Ints
 from hsr.exact.decide import Piece
-from hsr.exact.germs import Polynomial
+from hsr.exact.germs import Polynomial, coefficients
 from hsr.exact.planes import Triangles, ratio
 from hsr.exact.quadrics import Round
 from hsr.jit import jit
@@ -254,17 +254,14 @@ def _greatest(polynomial: Polynomial) -> int:
 
 
 def _scaled(polynomial: Polynomial, divisor: int) -> Floats:
-    """Coefficients (6,) of i^2, i j, j^2, i, j and 1, divided by a common number."""
-    terms = polynomial.to_dict()
-    powers = ((2, 0), (1, 1), (0, 2), (1, 0), (0, 1), (0, 0))
-    return ratio(np.array([int(terms.get(power, 0)) for power in powers], dtype=object), divisor)
+    return ratio(coefficients(polynomial), divisor)
 
 
 @jit
-def conic(coefficients: Floats, i: int, j: int) -> tuple[float, float]:
+def conic(polynomial: Floats, i: int, j: int) -> tuple[float, float]:
     """Return bounds of a i^2 + b i j + c j^2 + d i + e j + f."""
-    a, b, c = coefficients[0] * (i * i), coefficients[1] * (i * j), coefficients[2] * (j * j)
-    d, e, f = coefficients[3] * i, coefficients[4] * j, coefficients[5]
+    a, b, c = polynomial[0] * (i * i), polynomial[1] * (i * j), polynomial[2] * (j * j)
+    d, e, f = polynomial[3] * i, polynomial[4] * j, polynomial[5]
     value = a + b + c + d + e + f
     error = ROUNDING * (abs(a) + abs(b) + abs(c) + abs(d) + abs(e) + abs(f)) + TINY
     return value - error, value + error

@@ -16,7 +16,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from flint import Ordering, fmpz_mpoly_ctx
+
+from hsr.arrays import Array
 
 Polynomial = Any
 """An ``fmpz_mpoly``: a polynomial with integer coefficients."""
@@ -49,6 +52,13 @@ def affine(coefficients: Sequence[int]) -> Polynomial:
     """Return a i + b j + c."""
     a, b, c = (int(coefficient) for coefficient in coefficients)
     return IMAGE.from_dict({(1, 0): a, (0, 1): b, (0, 0): c})
+
+
+def coefficients(polynomial: Polynomial) -> Array:
+    """Return the coefficients (6,) of i^2, i j, j^2, i, j and 1, as Python integers."""
+    terms = polynomial.to_dict()
+    powers = ((2, 0), (1, 1), (0, 2), (1, 0), (0, 1), (0, 0))
+    return np.array([int(terms.get(power, 0)) for power in powers], dtype=object)
 
 
 def at(polynomial: Polynomial, spot: Spot) -> Polynomial:
