@@ -12,10 +12,11 @@ from dataclasses import dataclass
 from functools import cmp_to_key
 from itertools import combinations, pairwise
 from math import gcd
+from typing import Any
 
 from flint import fmpz_poly
 
-from hsr.exact.germs import I, IMAGE, J, Polynomial, Spot, Surd, at, beside, sign
+from hsr.exact.germs import IMAGE, I, J, Polynomial, Spot, Surd, at, beside, sign
 from hsr.visibility import BACKGROUND
 
 Form = tuple[Polynomial, Polynomial]
@@ -158,7 +159,7 @@ def tangents(local: Polynomial) -> Iterator[Direction]:
     """Yield both ways along every tangent of a curve at the origin, where its polynomial vanishes.
 
     A slope that is no fraction, which only a singular point of the curve can have, is rounded to
-    64 bits: it serves to separate directions.
+    float64: it serves to separate directions.
     """
     terms = local.to_dict()
     degree = min(sum(powers) for powers in terms)
@@ -178,9 +179,9 @@ def _roots(factor: fmpz_poly) -> list[Direction]:
     """Real roots dy / dx of an irreducible polynomial, as (dx, dy)."""
     if factor.degree() == 1:
         return [(int(factor[1]), -int(factor[0]))]
-    scale = 1 << 64
-    roots = [root for root, _ in factor.complex_roots() if root.imag == 0]
-    return [(scale, int((root.real.mid() * scale).floor().unique_fmpz())) for root in roots]
+    roots: Any = factor.complex_roots()
+    slopes = [float(root.real.mid()).as_integer_ratio() for root, _ in roots if root.imag == 0]
+    return [(dx, dy) for dy, dx in slopes]
 
 
 def _half(direction: Direction) -> int:

@@ -11,7 +11,6 @@ from hsr.exact.decide import Piece
 from hsr.exact.doubled import bits, depths, split
 from hsr.exact.germs import coefficients
 from hsr.exact.numbers import Frame
-from hsr.exact.planes import ratio
 from hsr.exact.ties import Problem
 
 GUARD = 70
@@ -30,9 +29,10 @@ def depths_of(frame: Frame, problem: Problem, owner: Ints) -> Floats:
     row, column = np.divmod(owned, len(problem.i))
     surds = np.concatenate([_flat_surds(problem, owners), _curved_surds(problem, owners)])
     depth[owned] = depths(surds, _forms(frame), which, problem.i[column], problem.j[row])
-    for sample in np.flatnonzero(np.isnan(depth)):
-        i, j = problem.at(sample)
-        depth[sample] = ratio(*depth_quotient(frame, problem.piece(int(owner[sample])), i, j))
+    unsure = np.flatnonzero(np.isnan(depth))
+    for sample, i, j in zip(unsure, *problem.at(unsure), strict=True):
+        above, below = depth_quotient(frame, problem.piece(int(owner[sample])), i, j)
+        depth[sample] = above / below
     return depth
 
 

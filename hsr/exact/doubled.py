@@ -131,7 +131,8 @@ def depths(surds: Floats, forms: Floats, which: Array, i: Array, j: Array) -> Fl
 
 def bits(numbers: Array) -> Array:
     """Return the bits of the greatest of each row of integers (n, k), as (n,) int64."""
-    return np.frompyfunc(int.bit_length, 1, 1)(numbers).max(axis=1).astype(np.int64)
+    lengths = np.asarray(np.frompyfunc(int.bit_length, 1, 1)(numbers), dtype=np.int64)
+    return np.asarray(lengths.max(axis=1))
 
 
 def split(numbers: Array, scale: Array) -> Floats:

@@ -246,7 +246,9 @@ def _surd_table(piece: Piece, nearer: int) -> Floats:
     greatest = max(_greatest(zeta.p), _greatest(zeta.s))
     p, q = -nearer * zeta.p, -nearer * zeta.q
     # The root is scaled with r, and q, which is -1, 0 or 1, not at all.
-    return np.array([_scaled(p, greatest), _scaled(q, 1), _scaled(zeta.r, greatest**2), _scaled(zeta.s, greatest)])
+    return np.array(
+        [_scaled(p, greatest), _scaled(q, 1), _scaled(zeta.r, greatest**2), _scaled(zeta.s, greatest)]
+    )
 
 
 def _greatest(polynomial: Polynomial) -> int:

@@ -12,7 +12,7 @@ so comparing by squaring is as valid as it is for numbers.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -48,9 +48,9 @@ def constant(value: int) -> Polynomial:
     return IMAGE.constant(int(value))
 
 
-def affine(coefficients: Sequence[int]) -> Polynomial:
+def affine(form: Iterable[int]) -> Polynomial:
     """Return a i + b j + c."""
-    a, b, c = (int(coefficient) for coefficient in coefficients)
+    a, b, c = (int(coefficient) for coefficient in form)
     return IMAGE.from_dict({(1, 0): a, (0, 1): b, (0, 0): c})
 
 

@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from flint import fmpz_mat
+from flint import fmpq_mat
 
 from hsr.arrays import Array, Floats
 from hsr.errors import ViewError
@@ -67,7 +67,7 @@ def inverse(matrix: Array) -> Array:
     ViewError
         If the matrix is singular.
     """
-    exact = fmpz_mat([[int(entry) for entry in row] for row in matrix])
+    exact = fmpq_mat([[int(entry) for entry in row] for row in matrix])
     determinant = exact.det()
     if determinant == 0:
         raise ViewError("a transform or camera of this view is singular: it flattens what it maps")

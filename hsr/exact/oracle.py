@@ -18,25 +18,7 @@ from hsr.exact.planes import triangles_of
 from hsr.exact.quadrics import rounds_of
 from hsr.exact.ties import Problem, Verdicts, settle
 from hsr.viewing import View
-from hsr.visibility import BACKGROUND
-
-
-@dataclass(frozen=True, eq=False)
-class Admissible:
-    """The tied samples of a view, and the faces each may show.
-
-    Attributes
-    ----------
-    sample : (n,) int64
-        Row-major numbers of the samples with more than one admissible owner, ascending.
-    start : (n + 1,) int64
-    face : (m,) int32
-        Those of ``sample[k]`` are ``face[start[k]:start[k + 1]]``, ascending; -1 is the background.
-    """
-
-    sample: Array
-    start: Array
-    face: Ints
+from hsr.visibility import BACKGROUND, Admissible
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,6 +105,6 @@ def admissible_of(verdicts: list[Verdicts]) -> Admissible:
         lists.append(np.stack([np.repeat(verdict.sample[tied], count), listed[place]], axis=1))
     entries = np.concatenate(lists)
     entries = entries[np.argsort(entries[:, 0], kind="stable")]
-    sample = np.unique(np.concatenate(samples_))
+    sample = np.sort(np.concatenate(samples_))
     start = np.searchsorted(entries[:, 0], np.append(sample, np.iinfo(np.int64).max))
     return Admissible(sample, start, entries[:, 1].astype(np.int32))

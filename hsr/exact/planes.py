@@ -113,8 +113,8 @@ def _homogeneous(points: Floats) -> Floats:
 def _placed(view: View, frame: Frame, placement: Placement, polygons: Polygons, corners: Array) -> Triangles:
     """Keep the triangles of one object that can be seen."""
     vertex = polygons.triangle_vertex
-    inside = corners @ frame.limits.T >= 0
-    ahead = corners[:, 2] > 0
+    inside = np.asarray(corners @ frame.limits.T >= 0)
+    ahead = np.asarray(corners[:, 2] > 0)
     box = boxes(view, corners, vertex, ahead)
     in_front = ahead[vertex].all(axis=1)
     # A limit that all corners are beyond, all of them in front of the eye, leaves nothing.
@@ -173,7 +173,7 @@ def _within(frame: Frame, zeta: Array, det: Array, cut: Bools) -> Array:
 
 def on_planes(form: Array, zeta: Array, det: Array) -> Array:
     """Coefficients (n, 3) of the affine functions that a form is on planes, times ``det``."""
-    return det[:, None] * form[:3] + form[3] * zeta
+    return np.asarray(det[:, None] * form[:3] + form[3] * zeta)
 
 
 def boxes(view: View, corners: Array, vertex: Ints, ahead: Bools) -> Ints:
@@ -196,7 +196,9 @@ def boxes(view: View, corners: Array, vertex: Ints, ahead: Bools) -> Ints:
     )
     whole = np.array([0, 0, view.height - 1, view.width - 1])
     box = np.where(ahead[vertex].all(axis=1)[:, None], box, whole)
-    return np.stack([*np.maximum(box[:, :2], 0).T, *np.minimum(box[:, 2:], whole[2:]).T], axis=1).astype(np.int32)
+    return np.stack([*np.maximum(box[:, :2], 0).T, *np.minimum(box[:, 2:], whole[2:]).T], axis=1).astype(
+        np.int32
+    )
 
 
 def plane_name(form: Sequence[int]) -> tuple[int, ...]:
@@ -212,6 +214,6 @@ def _quotient(numerator: int, denominator: int) -> float:
         return float("inf") if (numerator > 0) == (denominator > 0) else float("-inf")
 
 
-def ratio(numerator: Array, denominator: Array) -> Floats:
+def ratio(numerator: Array, denominator: Array | int) -> Floats:
     """Divide integers, each quotient rounded once to the nearest float64; infinite if out of range."""
     return np.asarray(np.frompyfunc(_quotient, 2, 1)(numerator, denominator), dtype=np.float64)

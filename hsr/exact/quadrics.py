@@ -28,6 +28,7 @@ from hsr.viewing import Placement, View
 BALL = np.diag(np.array([1, 1, 1, -1], dtype=object))
 TUBE = np.diag(np.array([1, 1, 0, -1], dtype=object))
 
+
 @dataclass(frozen=True, eq=False)
 class Round:
     """A piece of a curved shape, with what the filter must know of it.
@@ -60,8 +61,8 @@ def _placed(view: View, frame: Frame, placement: Placement) -> Iterator[Round]:
     low = -1.0 if placement.shape.kind == Kind.SPHERE else 0.0
     block = np.array([[x, y, z, 1.0] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (low, 1.0)])
     corners = integers(block) @ to_frame.T
-    ahead = corners[:, 2] > 0
-    box = boxes(view, corners, np.arange(8)[None, :], ahead)[0]
+    ahead = np.asarray(corners[:, 2] > 0)
+    box = boxes(view, corners, np.arange(8, dtype=np.int32)[None, :], ahead)[0]
     if box[0] > box[2] or box[1] > box[3]:
         return
     bounds = list(_bounds(frame, corners, bool(ahead.all())))
@@ -140,7 +141,9 @@ class Quadric:
         """Name the surface, whatever the scale of its equation."""
         polynomials = [p.to_dict() for p in (self.a, self.b, self.c)]
         common = gcd(*(int(value) for terms in polynomials for value in terms.values()))
-        named = [tuple((powers, int(value) // common) for powers, value in terms.items()) for terms in polynomials]
+        named = [
+            tuple((powers, int(value) // common) for powers, value in terms.items()) for terms in polynomials
+        ]
         return (side, *named)
 
     def disc(self, face: int, plane: Form) -> Piece:

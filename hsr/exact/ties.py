@@ -128,7 +128,9 @@ def _settle_curved(problem: Problem, found: Candidates, samples: Array) -> Verdi
 def _settle_flat(problem: Problem, sample: Array, piece: Ints, sure: Bools) -> Iterator[Verdicts]:
     """Decide samples where only triangles meet; one entry a candidate."""
     edges, inside = _edges_met(problem, sample, piece, sure)
-    bare = sample[_firsts(sample)][~np.logical_or.reduceat(inside, _firsts(sample))] if len(sample) else sample
+    bare = (
+        sample[_firsts(sample)][~np.logical_or.reduceat(inside, _firsts(sample))] if len(sample) else sample
+    )
     yield Verdicts(bare, np.zeros(len(bare), np.int64), [(BACKGROUND, frozenset({BACKGROUND}))])
     sample, piece, edges = sample[inside], piece[inside], edges[inside]
 
@@ -141,7 +143,7 @@ def _settle_flat(problem: Problem, sample: Array, piece: Ints, sure: Bools) -> I
 
 
 def _edges_met(problem: Problem, sample: Array, piece: Ints, sure: Bools) -> tuple[Ints, Bools]:
-    """Return the half-planes on whose lines each candidate has its sample, as bits; whether it contains it."""
+    """Return on which lines each candidate has its sample, as bits, and whether it contains it."""
     edges = np.zeros(len(sample), dtype=np.int32)
     inside = np.ones(len(sample), dtype=np.bool_)
     unsure = np.flatnonzero(~sure)
@@ -181,7 +183,7 @@ def _by_depth(problem: Problem, sample: Array, piece: Ints) -> tuple[Array, Arra
 
 
 def _planes(problem: Problem, piece: Ints) -> Array:
-    """Number the planes of triangles: equal numbers, equal planes."""
+    """Give triangles the same number exactly if they lie in the same plane."""
     triangles, which = np.unique(piece, return_inverse=True)
     numbers: dict[tuple[int, ...], int] = {}
     plane = [numbers.setdefault(problem.triangles.plane(t), len(numbers)) for t in triangles]
@@ -217,7 +219,7 @@ def _compared(problem: Problem, sample: Array, one: Ints, other: Ints) -> Array:
     i, j = problem.at(sample)
     of_one, of_other = (zeta[t, 0] * i + zeta[t, 1] * j + zeta[t, 2] for t in (one, other))
     further = (of_one * det[other] - of_other * det[one]) * problem.nearer
-    return (further > 0).astype(np.int64) - (further < 0)
+    return np.asarray((further > 0).astype(np.int64) - (further < 0))
 
 
 def _down_to_full(sample: Array, level: Array, full: Bools) -> Bools:
