@@ -37,7 +37,10 @@ app = typer.Typer(
 scene_app = typer.Typer(help="Check and describe scene files.", no_args_is_help=True)
 app.add_typer(scene_app, name="scene")
 
-out = Console(highlight=False)
+PIPED_WIDTH = 120
+"""Columns of a table that goes to a file or pipe; a terminal has its own width."""
+
+out = Console(highlight=False, width=None if sys.stdout.isatty() else PIPED_WIDTH)
 err = Console(stderr=True, highlight=False)
 
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
@@ -101,6 +104,7 @@ def render(
     With several methods the files are named after them: map.npz becomes map.zbuffer.npz.
     """
     import hsr
+    from hsr.algorithms.registry import method_named
 
     view = hsr.view(hsr.load(scene), _size(size), camera)
     names = method or ["zbuffer"]
@@ -108,6 +112,7 @@ def render(
     with _progress(quiet, len(names)) as step:
         for name in names:
             step(name)
+            method_named(name).warm_up(view)
             answer = hsr.render(view, name)
             files = _write_render(view, answer, output, png, several=len(names) > 1)
             rows.append(_summary(answer) | {"files": files})
@@ -453,7 +458,7 @@ def _table(*columns: str, title: str | None = None, right: Sequence[str] | None 
     numbers = columns[1:] if right is None else right
     for column in columns:
         side: JustifyMethod = "right" if column in numbers else "left"
-        table.add_column(column, justify=side, no_wrap=column == columns[0])
+        table.add_column(column, justify=side, no_wrap=column in columns[:2])
     return table
 
 

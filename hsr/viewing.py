@@ -355,7 +355,8 @@ def _digest(parts: Iterable[bytes]) -> str:
 
 
 def _scene_parts(placements: tuple[Placement, ...], segments: int) -> Iterable[bytes]:
-    yield f"segments {segments}".encode()
+    if any(placement.shape.curved for placement in placements):
+        yield f"segments {segments}".encode()
     shape_digests: dict[int, bytes] = {}
     for placement in placements:
         shape = placement.shape

@@ -76,34 +76,34 @@ def render(view: View, options: Options) -> VisibilityMap:
     """
     clock = Clock()
     with clock("build"):
-        shapes, tree = _shapes(view)
+        shapes = _shapes(view)
     with clock("prepare"):
         camera = _camera(view)
-        objects, world = _objects(view)
+        objects, nodes = _objects(view, shapes)
         size = (view.height, view.width)
-        image = rays.Image(np.empty(size, np.int32), np.empty(size))
-        work = np.zeros((view.height, len(COUNTED)), np.int64) if options.count else None
+        face, depth = np.empty(size, np.int32), np.empty(size)
+        shares = raytiles.SHARES if options.acceleration == "tiles" else view.height
+        work = np.zeros((shares, len(COUNTED)), np.int64) if options.count else None
     with clock("render"):
+        arrays = (objects, shapes.planes, shapes.vertices, shapes.triangles, nodes)
         if options.acceleration == "tiles":
-            _cast_tiles(rays.Scene(camera, objects, shapes, tree), image, work)
+            _cast_tiles(camera, *arrays, face, depth, work)
         else:
-            way = WAYS[options.acceleration]
-            rays.cast(camera, objects, shapes, tree, world, way, image, work)
+            rays.cast(camera, *arrays, WAYS[options.acceleration], face, depth, work)
     counts = {} if work is None else dict(zip(COUNTED, work.sum(axis=0).tolist(), strict=True))
     notes = {"depth_format": depth_format("distance", 2.0**-52, view.near, view.far)}
-    return VisibilityMap(*image, "raycast", counts, clock.seconds, notes)
+    return VisibilityMap(face, depth, "raycast", counts, clock.seconds, notes)
 
 
 # ---------------------------------------------------------------- shapes
 
 
 class _Mesh(NamedTuple):
-    """A mesh in the order of its hierarchy's leaves; see ``rays.Meshes``."""
+    """A mesh in the order of its hierarchy's leaves, with indices that count from its own start."""
 
-    vertex: Floats
-    corner: Ints
-    face: Ints
-    tree: hierarchy.Tree
+    vertices: Floats
+    triangles: Array
+    nodes: Array
 
 
 _built: WeakKeyDictionary[Shape, _Mesh] = WeakKeyDictionary()
@@ -114,8 +114,10 @@ def _mesh_of(shape: Shape) -> _Mesh:
     if shape not in _built:
         polygons = _polygons(shape)
         corner = np.ascontiguousarray(polygons.triangle_vertex, np.int32)
-        order, tree = hierarchy.build(*hierarchy.boxes_of(polygons.vertices, corner))
-        _built[shape] = _Mesh(polygons.vertices, corner[order], polygons.triangle_face[order], tree)
+        order, nodes = _hierarchy(*hierarchy.boxes_of(polygons.vertices, corner))
+        triangles = np.empty(len(corner), rays.TRIANGLE)
+        triangles["corner"], triangles["face"] = corner[order], polygons.triangle_face[order]
+        _built[shape] = _Mesh(polygons.vertices, triangles, nodes)
     return _built[shape]
 
 
@@ -124,39 +126,76 @@ def _polygons(shape: Shape) -> Polygons:
     return shape.polygons
 
 
-def _distinct(view: View, kinds: Sequence[Kind]) -> list[Shape]:
-    """Return the shapes of these kinds, each once, in order of appearance."""
-    return list(dict.fromkeys(p.shape for p in view.placements if p.shape.kind in kinds))
+def _hierarchy(low: Floats, high: Floats) -> tuple[Ints, Array]:
+    """Build the hierarchy over boxes: their order in the leaves, and its nodes."""
+    room = np.empty(max(2 * len(low), 1), hierarchy.NODE)
+    order, used = hierarchy.build(low, high, room)
+    return order, room[:used]
 
 
-def _shapes(view: View) -> tuple[rays.Shapes, hierarchy.Tree]:
+class _Shapes(NamedTuple):
+    """The data of all shapes of a view, and where in it each shape's begins and ends.
+
+    Attributes
+    ----------
+    planes, vertices, triangles, nodes
+        As for ``rays.cast``.
+    places : dict
+        From shape to the values of the ``OBJECT`` fields that lead to its data.
+    """
+
+    planes: Floats
+    vertices: Floats
+    triangles: Array
+    nodes: Array
+    places: dict[Shape, dict[str, int]]
+
+
+def _shapes(view: View) -> _Shapes:
     """Join the data of all shapes, with indices that count from the start of the joint arrays."""
-    planes = [_planes_of(_polygons(shape)) for shape in _distinct(view, SOLIDS)]
-    meshes = [_mesh_of(shape) for shape in _distinct(view, [Kind.MESH])]
-    vertex_start = _starts([len(mesh.vertex) for mesh in meshes])
-    triangle_start = _starts([len(mesh.corner) for mesh in meshes])
-    node_start = _starts([len(mesh.tree.first) for mesh in meshes])
-    shapes = rays.Shapes(
-        _joined(planes, np.float64, 4),
-        _joined([mesh.vertex for mesh in meshes], np.float64, 3),
-        _joined([mesh.corner + start for mesh, start in zip(meshes, vertex_start, strict=False)], np.int32, 3),
-        _joined([mesh.face for mesh in meshes], np.int32),
-        _starts([len(part) for part in planes]),
-        vertex_start,
-        triangle_start,
-        node_start,
+    distinct = dict.fromkeys(placement.shape for placement in view.placements)
+    planes = {shape: _planes_of(_polygons(shape)) for shape in distinct if shape.kind in SOLIDS}
+    meshes = {shape: _mesh_of(shape) for shape in distinct if shape.kind == Kind.MESH}
+    places: dict[Shape, dict[str, int]] = {shape: {} for shape in distinct}
+    for shape, start, end in _runs(planes):
+        places[shape] |= {"start": start, "end": end}
+    for shape, start, end in _runs({shape: mesh.vertices for shape, mesh in meshes.items()}):
+        places[shape] |= {"vertex_start": start, "vertex_end": end}
+    for shape, start, end in _runs({shape: mesh.triangles for shape, mesh in meshes.items()}):
+        places[shape] |= {"start": start, "end": end}
+    for shape, start, end in _runs({shape: mesh.nodes for shape, mesh in meshes.items()}):
+        places[shape] |= {"root": start, "root_end": end}
+    return _Shapes(
+        np.concatenate([np.empty((0, 4)), *planes.values()]),
+        np.concatenate([np.empty((0, 3)), *(mesh.vertices for mesh in meshes.values())]),
+        _joined_triangles(meshes, places),
+        _joined_nodes(meshes, places),
+        places,
     )
-    trees = [mesh.tree for mesh in meshes]
-    first = [
-        tree.first + np.where(tree.count == hierarchy.INNER, node, triangle)
-        for tree, node, triangle in zip(trees, node_start, triangle_start, strict=False)
-    ]
-    return shapes, hierarchy.Tree(
-        _joined(first, np.int32),
-        _joined([tree.count for tree in trees], np.int32),
-        _joined([tree.low for tree in trees], np.float64, 3),
-        _joined([tree.high for tree in trees], np.float64, 3),
-    )
+
+
+def _runs(parts: dict[Shape, Any]) -> Iterator[tuple[Shape, int, int]]:
+    """Yield where each shape's array begins and ends when they follow each other."""
+    start = 0
+    for shape, part in parts.items():
+        yield shape, start, start + len(part)
+        start += len(part)
+
+
+def _joined_triangles(meshes: dict[Shape, _Mesh], places: dict[Shape, dict[str, int]]) -> Array:
+    parts = [np.empty(0, rays.TRIANGLE), *(mesh.triangles for mesh in meshes.values())]
+    triangles = np.concatenate(parts)
+    for place in (places[shape] for shape in meshes):
+        triangles["corner"][place["start"] : place["end"]] += place["vertex_start"]
+    return triangles
+
+
+def _joined_nodes(meshes: dict[Shape, _Mesh], places: dict[Shape, dict[str, int]]) -> Array:
+    nodes = np.concatenate([np.empty(0, hierarchy.NODE), *(mesh.nodes for mesh in meshes.values())])
+    for place in (places[shape] for shape in meshes):
+        own = nodes[place["root"] : place["root_end"]]
+        own["first"] += np.where(own["count"] == hierarchy.INNER, place["root"], place["start"]).astype(np.int32)
+    return nodes
 
 
 def _planes_of(polygons: Polygons) -> Floats:
@@ -175,23 +214,13 @@ def _extent_of(shape: Shape) -> Floats:
     if shape.kind == Kind.CYLINDER:
         return np.array([[-1.0, -1.0, 0.0], [1.0, 1.0, 1.0]])
     if shape.kind == Kind.MESH:
-        tree = _mesh_of(shape).tree
-        return np.stack([tree.low[0], tree.high[0]])
+        root = _mesh_of(shape).nodes[0]
+        return np.stack([root["low"], root["high"]])
     vertices = _polygons(shape).vertices
     return np.stack([vertices.min(axis=0), vertices.max(axis=0)])
 
 
-def _starts(sizes: Sequence[int]) -> Ints:
-    return np.cumsum([0, *sizes]).astype(np.int32)
-
-
-def _joined(parts: Sequence[Any], dtype: Any, width: int = 0) -> Any:
-    """Concatenate arrays (n,) or (n, width), of which there may be none."""
-    empty = np.empty((0, width) if width else 0, dtype)
-    return np.ascontiguousarray(np.concatenate([empty, *parts]) if len(parts) != 1 else parts[0], dtype)
-
-
-# ---------------------------------------------------------------- the scene as the kernels see it
+# ---------------------------------------------------------------- the view as the kernels see it
 
 
 def _camera(view: View) -> rays.Camera:
@@ -200,53 +229,71 @@ def _camera(view: View) -> rays.Camera:
     return rays.Camera(perspective, near, far, closest, farthest, view.width, view.height)
 
 
-def _objects(view: View) -> tuple[rays.Objects, hierarchy.Tree]:
-    """Return the objects in the order of the leaves of the hierarchy over them, and that hierarchy."""
+def _objects(view: View, shapes: _Shapes) -> tuple[Array, Array]:
+    """Return the object list with the world at its end, and all nodes.
+
+    The objects stand in the order of the leaves of the hierarchy over them; its nodes follow those of
+    the meshes.
+    """
+    objects = _placed(view, shapes)
+    matrix = np.array([placement.world_from_object for placement in view.placements])
+    order, nodes = _hierarchy(*_world_extents(matrix, objects))
+    nodes["first"] += np.where(nodes["count"] == hierarchy.INNER, len(shapes.nodes), 0).astype(np.int32)
+    world = np.zeros(1, rays.OBJECT)
+    sight = _sample_rays(view)
+    world["kind"], world["root"] = rays.WORLD, len(shapes.nodes)
+    world["origin"], world["direction"] = sight.origin, sight.direction
+    return np.concatenate([objects[order], world]), np.concatenate([shapes.nodes, nodes])
+
+
+def _placed(view: View, shapes: _Shapes) -> Array:
+    """Return the objects (n,) in file order."""
     placements = view.placements
-    shapes = [placement.shape for placement in placements]
-    row = {shape: k for kinds in ([Kind.MESH], SOLIDS) for k, shape in enumerate(_distinct(view, kinds))}
-    extents = {shape: _extent_of(shape) for shape in set(shapes)}
-    low, high = np.moveaxis(np.array([extents[shape] for shape in shapes]), 1, 0)
+    objects = np.zeros(len(placements), rays.OBJECT)
+    template = {shape: _described(shape, place) for shape, place in shapes.places.items()}
+    for k, placement in enumerate(placements):
+        objects[k] = template[placement.shape]
+    objects["first_face"] = [placement.first for placement in placements]
+    objects["cull"] = [placement.cull for placement in placements]
+    objects["mirrored"] = [placement.mirrored for placement in placements]
+
     matrix = np.array([placement.world_from_object for placement in placements])
     inverse = np.linalg.inv(matrix[:, :3, :3])
-    screen = _screen_from_world(view) @ matrix
-    margin = _margins(view, screen, matrix, inverse, np.maximum(abs(low), abs(high)))
-    order, world = _hierarchy_over(matrix, low - 2.0 * margin, high + 2.0 * margin)
-
     sight = _sample_rays(view)
     translation = np.pad(matrix[:, :3, 3:], ((0, 0), (0, 0), (0, 2)))
-    origin, direction = inverse @ (sight.origin - translation), inverse @ sight.direction
-    objects = rays.Objects(
-        np.array([shape.kind for shape in shapes], np.int32)[order],
-        np.array([placement.first for placement in placements], np.int32)[order],
-        np.array([placement.cull for placement in placements], np.int32)[order],
-        np.array([row.get(shape, 0) for shape in shapes], np.int32)[order],
-        np.array([placement.mirrored for placement in placements], np.bool_)[order],
-        screen[order],
-        np.concatenate([origin[order], sight.origin[None]]),
-        np.concatenate([direction[order], sight.direction[None]]),
-        np.concatenate([margin[order], np.zeros((1, 3))]),
-        low[order],
-        high[order],
-    )
-    return objects, world
+    objects["screen"] = _screen_from_world(view) @ matrix
+    objects["origin"] = inverse @ (sight.origin - translation)
+    objects["direction"] = inverse @ sight.direction
+    objects["margin"] = _margins(view, objects, matrix, inverse)
+    return objects
 
 
-def _hierarchy_over(matrix: Floats, low: Floats, high: Floats) -> tuple[Ints, hierarchy.Tree]:
-    """Build the hierarchy over extents carried to world space by ``matrix`` (n, 4, 4).
+def _described(shape: Shape, place: dict[str, int]) -> Any:
+    """Return an ``OBJECT`` with all that depends on the shape alone."""
+    described = np.zeros(1, rays.OBJECT)
+    described["kind"] = shape.kind
+    described["low"], described["high"] = _extent_of(shape)
+    for name, value in place.items():
+        described[name] = value
+    return described[0]
 
-    The extents come with twice the margin of their rays: once for the ray, which in world space is no
-    more certain, and once for the rounding of what is computed here.
+
+def _world_extents(matrix: Floats, objects: Array) -> tuple[Floats, Floats]:
+    """Return the boxes in world space around the extents of objects placed by ``matrix`` (n, 4, 4).
+
+    They hold twice the margin: once for the ray, which in world space is no more certain, and once for
+    the rounding of what is computed here.
     """
+    low, high = objects["low"] - 2.0 * objects["margin"], objects["high"] + 2.0 * objects["margin"]
     linear, centre, half = matrix[:, :3, :3], 0.5 * (low + high), 0.5 * (high - low)
     centre = (linear @ centre[:, :, None])[:, :, 0] + matrix[:, :3, 3]
     half = (abs(linear) @ half[:, :, None])[:, :, 0]
-    return hierarchy.build(centre - half, centre + half)
+    return centre - half, centre + half
 
 
 def _sample_rays(view: View) -> Rays:
     """Return the rays as functions of (1, x, y), pixels right of and below the image centre."""
-    per_pixel = [1.0, 2.0 / view.width, -2.0 / view.height]
+    per_pixel = np.array([1.0, 2.0 / view.width, -2.0 / view.height])
     return Rays(view.rays.origin * per_pixel, view.rays.direction * per_pixel)
 
 
@@ -258,31 +305,31 @@ def _screen_from_world(view: View) -> Floats:
     x_row, y_row, _, w_row = view.clip_from_world
     axis = np.argmax(abs(view.depth_row[:3])) if view.perspective else 3
     weight = w_row[axis] / view.depth_row[axis] if view.perspective else w_row[axis]
-    return np.stack([x_row * (0.5 * view.width / weight), y_row * (-0.5 * view.height / weight), view.depth_row])
+    column, row = 0.5 * view.width / weight, -0.5 * view.height / weight
+    return np.stack([x_row * column, y_row * row, view.depth_row])
 
 
-def _margins(
-    view: View, screen: Floats, world_from_object: Floats, object_from_world: Floats, size: Floats
-) -> Floats:
+def _margins(view: View, objects: Array, matrix: Floats, inverse: Floats) -> Floats:
     """Bound how far (n, 3) rounding moves a line of sight, or what it meets, in object space.
 
     A point of a ray is ``A^-1 (e + t d - b)``: A, b the object's transform, e and d the sample's ray,
     read off the inverse C^-1 of the camera. Each of the two inverses and three products rounds every
     coordinate fewer than ten times, relative to the sum of the magnitudes of what is added. The
-    magnitudes to add up are therefore |A^-1||A||A^-1| |C^-1||C| (|e| + t |d| + |b| + |A| |p|), p
-    being the farthest corner of the extent and t the depth of its farthest part; the last term is for the
-    vertices projected by ``screen``. Fifty roundings of 2^-53 each are less than 2^-47 of that.
+    magnitudes to add up are therefore |A^-1||A||A^-1| |C^-1||C| (|e| + t |d| + |b| + |A| |p|), p being
+    the farthest corner of the extent and t its depth; the last term is for the vertices that are
+    projected to the screen. Fifty roundings of 2^-53 each are less than 2^-47 of that.
     """
-    linear, translation = abs(world_from_object[:, :3, :3]), abs(world_from_object[:, :3, 3])
-    world = _sample_rays(view)
-    inverse_camera = world.direction if view.perspective else world.direction + world.origin * [0.0, 1.0, 1.0]
-    rounding = abs(inverse_camera) @ abs(np.linalg.inv(inverse_camera))
-    corner = np.array([1.0, 0.5 * view.width, 0.5 * view.height])
-    t = (abs(screen[:, 2, :3]) * size).sum(axis=1) + abs(screen[:, 2, 3])
-    ray = abs(world.origin) @ corner + t[:, None] * (abs(world.direction) @ corner)
-    reach = ray + translation + (linear @ size[:, :, None])[:, :, 0]
-    inverse = abs(object_from_world)
-    return 2.0**-47 * (inverse @ linear @ inverse @ rounding @ reach[:, :, None])[:, :, 0]
+    linear, translation, inverse = abs(matrix[:, :3, :3]), abs(matrix[:, :3, 3]), abs(inverse)
+    sight = _sample_rays(view)
+    frame = sight.direction if view.perspective else sight.direction + sight.origin * [0.0, 1.0, 1.0]
+    rounding = abs(frame) @ abs(np.linalg.inv(frame))
+    farthest = np.maximum(abs(objects["low"]), abs(objects["high"]))
+    depth = abs(objects["screen"][:, 2])
+    t = (depth[:, :3] * farthest).sum(axis=1) + depth[:, 3]
+    border = np.array([1.0, 0.5 * view.width, 0.5 * view.height])
+    ray = abs(sight.origin) @ border + t[:, None] * (abs(sight.direction) @ border)
+    reach = ray + translation + (linear @ farthest[:, :, None])[:, :, 0]
+    return np.asarray(2.0**-47 * (inverse @ linear @ inverse @ rounding @ reach[:, :, None])[:, :, 0])
 
 
 # ---------------------------------------------------------------- tiles
@@ -291,39 +338,52 @@ BATCH = 1 << 18
 """Triangles laid out on the screen together, or one object if it has more."""
 
 
-def _cast_tiles(scene: rays.Scene, image: rays.Image, work: Array | None) -> None:
-    """Cast all rays tile by tile into batches of objects, nearest first."""
-    camera, objects, shapes, tree = scene
+def _cast_tiles(
+    camera: rays.Camera,
+    objects: Array,
+    planes: Floats,
+    vertices: Floats,
+    triangles: Array,
+    nodes: Array,
+    face: Ints,
+    depth: Floats,
+    work: Array | None,
+) -> None:
+    """Cast all rays tile by tile into batches of objects, nearest first; see ``rays.cast``."""
     tiles = _tiles(camera)
-    reaches = raytiles.Reaches(np.empty((len(objects.kind), 4), np.int16), np.empty(len(objects.kind)))
-    raytiles.reach_objects(scene, reaches)
-    seen = (reaches.samples[:, 0] <= reaches.samples[:, 1]) & (reaches.samples[:, 2] <= reaches.samples[:, 3])
-    order = np.argsort(-reaches.nearest, kind="stable")
-    for member in _batches(order[seen[order]], scene):
-        batch, grown = _batch(member, scene, reaches)
-        raytiles.lay_out(camera, objects, shapes, tree, batch, grown, tiles)
-        raytiles.cast_batch(camera, objects, shapes, tree, batch, grown, tiles, work)
-    raytiles.read_out(camera, tiles, image)
+    reaches = np.empty(len(objects) - 1, raytiles.REACH)
+    raytiles.reach_objects(camera, objects, reaches)
+    seen = (reaches["left"] <= reaches["right"]) & (reaches["top"] <= reaches["bottom"])
+    order = np.argsort(-reaches["nearest"], kind="stable")
+    for chosen in _batches(order[seen[order]], objects):
+        members, corners, grown = _batch(chosen, objects, reaches)
+        raytiles.lay_out(camera, objects, vertices, triangles, nodes, members, corners, grown, tiles)
+        raytiles.cast_batch(
+            camera, objects, planes, triangles, nodes, members, corners, grown, tiles, work
+        )
+    raytiles.read_out(camera, tiles, face, depth)
+    if work is not None:
+        work[0, rays.RAYS] = face.size
 
 
-def _tiles(camera: rays.Camera) -> raytiles.Tiles:
-    """Return tiles that show nothing; samples beyond the image are as near as can be."""
+def _tiles(camera: rays.Camera) -> Array:
+    """Return tiles (rows, columns) that show nothing; samples beyond the image hide everything."""
     side = raytiles.SIDE
-    across, down = -(-camera.width // side), -(-camera.height // side)
-    nearness = np.full((down, across, side, side), camera.farthest)
+    tiles = np.empty((-(-camera.height // side), -(-camera.width // side)), raytiles.TILE)
+    tiles["nearness"], tiles["floor"], tiles["face"] = camera.farthest, camera.farthest, rays.NO_OWNER
+    samples = tiles["nearness"].reshape(*tiles.shape, side, side)
     if camera.width % side:
-        nearness[:, -1, :, camera.width % side :] = np.inf
+        samples[:, -1, :, camera.width % side :] = np.inf
     if camera.height % side:
-        nearness[-1, :, camera.height % side :, :] = np.inf
-    face = np.full((across * down, side * side), rays.NO_OWNER, np.int64)
-    floor = np.full(across * down, camera.farthest)
-    return raytiles.Tiles(nearness.reshape(face.shape), face, floor, across)
+        samples[-1, :, camera.height % side :, :] = np.inf
+    tiles["nearness"] = samples.reshape(*tiles.shape, side * side)
+    return tiles
 
 
-def _batches(order: Ints, scene: rays.Scene) -> Iterator[Ints]:
+def _batches(order: Ints, objects: Array) -> Iterator[Ints]:
     """Cut the objects into runs of at most ``BATCH`` triangles, or of one object."""
     start, triangles = 0, 0
-    for end, size in enumerate(_sizes(scene, scene.shapes.triangle_start)[order]):
+    for end, size in enumerate(_sizes(objects, order, "start", "end")):
         if end > start and triangles + size > BATCH:
             yield order[start:end]
             start, triangles = end, 0
@@ -331,25 +391,24 @@ def _batches(order: Ints, scene: rays.Scene) -> Iterator[Ints]:
     yield order[start:]
 
 
-def _sizes(scene: rays.Scene, start: Ints) -> Array:
-    """Return how many vertices, nodes or triangles (n,) each object has, given where meshes begin."""
-    is_mesh = scene.objects.kind == Kind.MESH
-    sizes = np.zeros(len(is_mesh), np.int64)
-    sizes[is_mesh] = np.diff(start)[scene.objects.shape[is_mesh]]
-    return sizes
+def _sizes(objects: Array, chosen: Ints, start: str, end: str) -> Array:
+    """Return how many vertices, nodes or triangles each chosen object has; generic ones none."""
+    is_mesh = objects["kind"][chosen] == Kind.MESH
+    return np.asarray(np.where(is_mesh, objects[end][chosen] - objects[start][chosen], 0))
 
 
-def _batch(
-    member: Ints, scene: rays.Scene, reaches: raytiles.Reaches
-) -> tuple[raytiles.Batch, raytiles.Reaches]:
-    """Return room for a batch: its vertices, and reaches for its nodes and triangles."""
-    vertices, nodes, triangles = (
-        _starts(_sizes(scene, start)[member])
-        for start in (scene.shapes.vertex_start, scene.shapes.node_start, scene.shapes.triangle_start)
-    )
-    nodes = nodes + len(reaches.nearest)
-    triangles = triangles + nodes[-1]
-    batch = raytiles.Batch(member, vertices[:-1], nodes[:-1], triangles[:-1], np.empty((vertices[-1], 4)))
-    samples, nearest = np.empty((triangles[-1], 4), np.int16), np.empty(triangles[-1])
-    samples[: len(reaches.samples)], nearest[: len(reaches.nearest)] = reaches
-    return batch, raytiles.Reaches(samples, nearest)
+def _batch(chosen: Ints, objects: Array, reaches: Array) -> tuple[Array, Floats, Array]:
+    """Return the members of a batch, room for its corners, and the reaches with room for its own."""
+    members = np.zeros(len(chosen), raytiles.MEMBER)
+    members["object"] = chosen
+    sizes = _sizes(objects, chosen, "vertex_start", "vertex_end")
+    members["to_corner"] = np.cumsum(sizes) - sizes - objects["vertex_start"][chosen]
+    corners = np.empty((sizes.sum(), 4))
+    used = len(reaches)
+    for name, start, end in (("to_node", "root", "root_end"), ("to_triangle", "start", "end")):
+        sizes = _sizes(objects, chosen, start, end)
+        members[name] = used + np.cumsum(sizes) - sizes - objects[start][chosen]
+        used += int(sizes.sum())
+    grown = np.empty(used, raytiles.REACH)
+    grown[: len(reaches)] = reaches
+    return members, corners, grown

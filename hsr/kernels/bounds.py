@@ -6,7 +6,7 @@ on the side of "may meet": boxes are closed, and rounding is covered by paddings
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -47,23 +47,22 @@ class Beam(NamedTuple):
 
 
 @jit
-def box_entry(low: Floats, high: Floats, box: int, beam: Beam) -> float:
+def box_entry(box: Any, beam: Beam) -> float:
     """Return the parameter at which a beam enters a closed box, ``+inf`` if it misses.
 
     The slab test of Kay and Kajiya (1986). An entry before ``beam.near`` counts as ``beam.near``.
 
     Parameters
     ----------
-    low, high : (n, 3) float64
-        Opposite corners of all boxes; a box with low > high is empty and never met.
-    box : int
+    box : record with ``low`` and ``high``, (3,) float64
+        Opposite corners; a box with low > high is empty and never met.
     beam : Beam
     """
     t_in, t_out = beam.near, beam.far
     for axis in range(3):
         inverse, start = beam.inverse[axis], beam.origin[axis]
-        least = low[box, axis] - beam.margin[axis]
-        most = high[box, axis] + beam.margin[axis]
+        least = box["low"][axis] - beam.margin[axis]
+        most = box["high"][axis] + beam.margin[axis]
         if np.isinf(inverse):
             # Parallel to the slab, or as good as: no quotient here, since 0 times infinity is NaN.
             if start < least or start > most:
@@ -173,29 +172,27 @@ def reach_triangle(a: Corner, b: Corner, c: Corner, perspective: bool, near: flo
 
 
 @jit
-def reach_box(matrix: Floats, low: Floats, high: Floats, perspective: bool, near: float) -> Reach:
-    """Return the reach of the part with ``depth >= near`` of a box, corners (3,), in object space."""
+def reach_box(matrix: Floats, low: Vector, high: Vector, perspective: bool, near: float) -> Reach:
+    """Return the reach of the part with ``depth >= near`` of a box, projected by a matrix."""
     reach = NOWHERE
-    for k in range(8):
-        p = _box_corner(matrix, low, high, k, perspective)
+    for bits in range(8):
+        p = _box_corner(matrix, low, high, bits, perspective)
         if not perspective or p[2] >= near:
             reach = reach_point(reach, p, perspective)
-        if not perspective:
-            continue
         # Each of the twelve edges once: from the corner with a coordinate low to the one with it high.
         for axis in range(3):
-            if not k & (1 << axis):
-                q = _box_corner(matrix, low, high, k | (1 << axis), perspective)
+            if perspective and not bits & (1 << axis):
+                q = _box_corner(matrix, low, high, bits | (1 << axis), perspective)
                 reach = reach_crossing(reach, p, q, near)
     return reach
 
 
 @jit
-def _box_corner(matrix: Floats, low: Floats, high: Floats, k: int, perspective: bool) -> Corner:
-    """Project corner k of a box; bit i of k says whether coordinate i is high."""
-    x = high[0] if k & 1 else low[0]
-    y = high[1] if k & 2 else low[1]
-    z = high[2] if k & 4 else low[2]
+def _box_corner(matrix: Floats, low: Vector, high: Vector, bits: int, perspective: bool) -> Corner:
+    """Project a corner of a box; bit i of ``bits`` says whether coordinate i is high."""
+    x = high[0] if bits & 1 else low[0]
+    y = high[1] if bits & 2 else low[1]
+    z = high[2] if bits & 4 else low[2]
     return corner_of(matrix, x, y, z, perspective)
 
 

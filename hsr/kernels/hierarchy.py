@@ -8,8 +8,6 @@ over the nodes visits children first.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from hsr.arrays import Array, Floats, Ints
@@ -29,45 +27,40 @@ STACK = 64
 """Room for the nodes that wait in a walk: 30 levels of code bits, and 31 halvings of equal codes."""
 
 
-class Tree(NamedTuple):
-    """The nodes of one or more hierarchies over n boxes in the order of the leaves.
+NODE = np.dtype(
+    [("first", np.int32), ("count", np.int32), ("low", np.float64, 3), ("high", np.float64, 3)]
+)
+"""One node of a hierarchy.
 
-    Attributes
-    ----------
-    first : (m,) int32
-        Of a leaf: its first box. Of an inner node: its first child; the second is the next node.
-    count : (m,) int32
-        Boxes in a leaf, ``INNER`` for an inner node.
-    low, high : (m, 3) float64
-        The box around everything below the node, closed; low > high if there is nothing.
-    """
-
-    first: Ints
-    count: Ints
-    low: Floats
-    high: Floats
+first : of a leaf its first box, in the order of the leaves; of an inner node its first child, the
+    second being the next node.
+count : boxes in a leaf, ``INNER`` for an inner node.
+low, high : the box around everything below the node, closed; low > high if there is nothing.
+"""
 
 
 @jit
-def build(low: Floats, high: Floats) -> tuple[Ints, Tree]:
+def build(low: Floats, high: Floats, nodes: Array) -> tuple[Ints, int]:
     """Build the hierarchy over boxes.
 
     Parameters
     ----------
     low, high : (n, 3) float64
         Opposite corners of the boxes, low <= high, finite. Without boxes the root is an empty leaf.
+    nodes : (max(2 n, 1),) NODE
+        Receives the nodes; the root is node 0.
 
     Returns
     -------
     order : (n,) int32
         The boxes in the order of the leaves.
-    tree : Tree
-        Its root is node 0.
+    used : int
+        Number of nodes.
     """
     code, order = radix_sort(morton_codes(low, high))
-    first, count = split(code)
-    node_low, node_high = fit(low, high, order, first, count)
-    return order, Tree(first, count, node_low, node_high)
+    used = split(code, nodes)
+    fit(low, high, order, nodes[:used])
+    return order, used
 
 
 @jit
@@ -148,26 +141,25 @@ def radix_sort(code: Array) -> tuple[Array, Ints]:
 
 
 @jit
-def split(code: Array) -> tuple[Ints, Ints]:
-    """Cut the sorted codes into a tree; see ``first`` and ``count`` of :class:`Tree`."""
-    n = len(code)
-    first, count = np.empty(max(2 * n, 1), np.int32), np.empty(max(2 * n, 1), np.int32)
+def split(code: Array, nodes: Array) -> int:
+    """Cut the sorted codes into a tree: ``first`` and ``count`` of its nodes; return their number."""
     pending = np.empty((STACK, 3), np.int64)
-    pending[0] = 0, 0, n
-    nodes, depth = 1, 1
-    while depth > 0:
-        depth -= 1
-        node, start, end = pending[depth]
+    pending[0] = 0, 0, len(code)
+    used, waiting = 1, 1
+    while waiting > 0:
+        waiting -= 1
+        node = nodes[pending[waiting, 0]]
+        start, end = pending[waiting, 1], pending[waiting, 2]
         if end - start <= LEAF:
-            first[node], count[node] = start, end - start
+            node["first"], node["count"] = start, end - start
             continue
+        node["first"], node["count"] = used, INNER
         middle = parting(code, start, end)
-        first[node], count[node] = nodes, INNER
-        pending[depth] = nodes + 1, middle, end
-        pending[depth + 1] = nodes, start, middle
-        nodes += 2
-        depth += 2
-    return first[:nodes].copy(), count[:nodes].copy()
+        pending[waiting] = used + 1, middle, end
+        pending[waiting + 1] = used, start, middle
+        used += 2
+        waiting += 2
+    return used
 
 
 @jit
@@ -190,20 +182,16 @@ def parting(code: Array, start: int, end: int) -> int:
 
 
 @jit
-def fit(low: Floats, high: Floats, order: Ints, first: Ints, count: Ints) -> tuple[Floats, Floats]:
-    """Return the boxes (m, 3) of all nodes, working them out from the last to the first."""
-    nodes = len(first)
-    node_low, node_high = np.full((nodes, 3), np.inf), np.full((nodes, 3), -np.inf)
-    for node in range(nodes - 1, -1, -1):
+def fit(low: Floats, high: Floats, order: Ints, nodes: Array) -> None:
+    """Fit the boxes of all nodes, from the last to the first."""
+    for k in range(len(nodes) - 1, -1, -1):
+        node = nodes[k]
+        first, count = node["first"], node["count"]
         for axis in range(3):
             least, most = np.inf, -np.inf
-            if count[node] == INNER:
-                child = first[node]
-                least = min(node_low[child, axis], node_low[child + 1, axis])
-                most = max(node_high[child, axis], node_high[child + 1, axis])
-            else:
-                for k in range(first[node], first[node] + count[node]):
-                    least = min(least, low[order[k], axis])
-                    most = max(most, high[order[k], axis])
-            node_low[node, axis], node_high[node, axis] = least, most
-    return node_low, node_high
+            if count == INNER:
+                least = min(nodes[first]["low"][axis], nodes[first + 1]["low"][axis])
+                most = max(nodes[first]["high"][axis], nodes[first + 1]["high"][axis])
+            for i in range(first, first + count):
+                least, most = min(least, low[order[i], axis]), max(most, high[order[i], axis])
+            node["low"][axis], node["high"][axis] = least, most

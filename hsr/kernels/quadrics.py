@@ -96,18 +96,20 @@ def square_hit(o: Vector, d: Vector, near: float, far: float, cull: int) -> tupl
 
 
 @jit
-def polyhedron_span(o: Vector, d: Vector, planes: Floats) -> Span:
+def polyhedron_span(o: Vector, d: Vector, planes: Floats, start: int, end: int) -> Span:
     """Clip a line by the half-spaces of a convex polyhedron (Cyrus and Beck 1978).
 
     Parameters
     ----------
     o, d : 3 floats
     planes : (n, 4) float64
-        Face k is the plane ``n . p = m`` with ``(n, m) = planes[k]`` and n outward. The solid is
-        closed: a line within a plane is inside its half-space.
+        Rows (n, m) of planes ``n . p = m`` with n outward.
+    start, end : int
+        The rows that are the faces of this polyhedron. It is closed: a line within a plane is inside
+        its half-space.
     """
     t_in, face_in, t_out, face_out = WHOLE
-    for k in range(len(planes)):
+    for k in range(start, end):
         nx, ny, nz, m = planes[k, 0], planes[k, 1], planes[k, 2], planes[k, 3]
         along = nx * d[0] + ny * d[1] + nz * d[2]
         inside = m - (nx * o[0] + ny * o[1] + nz * o[2])
@@ -117,11 +119,11 @@ def polyhedron_span(o: Vector, d: Vector, planes: Floats) -> Span:
         elif along < 0.0:
             t = inside / along
             if t > t_in:
-                t_in, face_in = t, k
+                t_in, face_in = t, k - start
         else:
             t = inside / along
             if t < t_out:
-                t_out, face_out = t, k
+                t_out, face_out = t, k - start
     return Span(t_in, face_in, t_out, face_out)
 
 

@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hsr.arrays import Array, Bools, Floats, Ints
+from hsr.arrays import Array, Floats, Ints
 from hsr.jit import jit, parallel_jit, prange
 from hsr.kernels.bounds import Beam, Corner, Vector, box_entry, corner_of, nearness_of
-from hsr.kernels.hierarchy import INNER, STACK, Tree
+from hsr.kernels.hierarchy import INNER, STACK
 from hsr.kernels.quadrics import (
     BACK,
     FRONT,
@@ -30,8 +30,8 @@ from hsr.kernels.quadrics import (
     square_hit,
 )
 
-SQUARE, CUBE, POLYHEDRON, SPHERE, CYLINDER, MESH = range(6)
-"""The kinds of shapes."""
+SQUARE, CUBE, POLYHEDRON, SPHERE, CYLINDER, MESH, WORLD = range(7)
+"""The kinds of shapes, and the world."""
 
 LIST, EXTENTS, HIERARCHY = range(3)
 """How single rays go through the objects."""
@@ -57,82 +57,42 @@ class Camera(NamedTuple):
     height: int
 
 
-class Objects(NamedTuple):
-    """The object list, one entry (n,) an object.
+OBJECT = np.dtype(
+    [
+        ("kind", np.int32),
+        ("first_face", np.int32),
+        ("cull", np.int32),
+        ("mirrored", np.bool_),
+        ("start", np.int64),
+        ("end", np.int64),
+        ("vertex_start", np.int64),
+        ("vertex_end", np.int64),
+        ("root", np.int64),
+        ("root_end", np.int64),
+        ("screen", np.float64, (3, 4)),
+        ("origin", np.float64, (3, 3)),
+        ("direction", np.float64, (3, 3)),
+        ("margin", np.float64, 3),
+        ("low", np.float64, 3),
+        ("high", np.float64, 3),
+    ]
+)
+"""One object of the list.
 
-    Attributes
-    ----------
-    kind, first_face, cull : (n,) int32
-    shape : (n,) int32
-        Which polyhedron or which mesh of ``Shapes`` it is.
-    mirrored : (n,) bool
-        Whether the front of a mesh triangle is where it runs clockwise on the screen.
-    screen : (n, 3, 4) float64
-        From object space to column, row and depth; see ``corner_of``.
-    origin, direction : (n + 1, 3, 3) float64
-        The ray of sample (x, y) in object space: ``origin @ (1, x, y)``, ``direction @ (1, x, y)``.
-        The last entry is the ray in world space.
-    margin : (n + 1, 3) float64
-        How far rounding may move that ray.
-    low, high : (n, 3) float64
-        The extent: the generic cube moved and scaled onto the object, in object space.
-    """
+mirrored : whether the front of a mesh triangle is where it runs clockwise on the screen.
+start, end : rows of its planes (cube, polyhedron) or of its triangles (mesh).
+vertex_start, vertex_end, root, root_end : rows of a mesh's vertices, and of its nodes, root first.
+screen : from object space to column, row and depth; see ``corner_of``.
+origin, direction : the ray of sample (x, y) in object space is ``origin @ (1, x, y)``, ``direction @
+    (1, x, y)``; its parameter is the depth.
+margin : how far rounding may move that ray.
+low, high : the extent: the generic cube moved and scaled onto the object, in object space.
 
-    kind: Ints
-    first_face: Ints
-    cull: Ints
-    shape: Ints
-    mirrored: Bools
-    screen: Floats
-    origin: Floats
-    direction: Floats
-    margin: Floats
-    low: Floats
-    high: Floats
+The world comes last in the list: its frame is world space, the leaves under its root are objects.
+"""
 
-
-class Shapes(NamedTuple):
-    """The shapes that need data, one after the other.
-
-    Attributes
-    ----------
-    plane : (P, 4) float64
-        Faces of the polyhedra: inside is ``n . p <= m`` for each row (n, m).
-    vertex : (V, 3) float64
-        Vertices of the meshes, object space.
-    corner : (T, 3) int32
-        Rows of ``vertex``, triangle after triangle in the order of the leaves of their hierarchy.
-    face : (T,) int32
-        Face of the object each triangle belongs to.
-    plane_start : (polyhedra + 1,) int32
-    vertex_start, triangle_start, node_start : (meshes + 1,) int32
-        Where each shape begins; a mesh's root is its first node.
-    """
-
-    plane: Floats
-    vertex: Floats
-    corner: Ints
-    face: Ints
-    plane_start: Ints
-    vertex_start: Ints
-    triangle_start: Ints
-    node_start: Ints
-
-
-class Scene(NamedTuple):
-    """All that a ray meets; ``tree`` has the hierarchies of the meshes."""
-
-    camera: Camera
-    objects: Objects
-    shapes: Shapes
-    tree: Tree
-
-
-class Image(NamedTuple):
-    """The answer: face id, -1 for the background, and depth, ``+inf`` for it; (H, W) each."""
-
-    face: Ints
-    depth: Floats
+TRIANGLE = np.dtype([("corner", np.int32, 3), ("face", np.int32)])
+"""One triangle of a mesh: rows of its vertices, and its face, counted from the object's first."""
 
 
 # ---------------------------------------------------------------- one triangle on the screen
@@ -276,18 +236,18 @@ def is_nearer(nearness: float, face: int, best: float, best_face: int) -> bool:
 
 
 @jit
-def at_sample(matrix: Floats, k: int, x: float, y: float) -> Vector:
-    """Return ``matrix[k] @ (1, x, y)``: the origin or direction of a sample's ray."""
+def at_sample(matrix: Floats, x: float, y: float) -> Vector:
+    """Return ``matrix @ (1, x, y)``: the origin or direction of a sample's ray."""
     return (
-        matrix[k, 0, 0] + matrix[k, 0, 1] * x + matrix[k, 0, 2] * y,
-        matrix[k, 1, 0] + matrix[k, 1, 1] * x + matrix[k, 1, 2] * y,
-        matrix[k, 2, 0] + matrix[k, 2, 1] * x + matrix[k, 2, 2] * y,
+        matrix[0, 0] + matrix[0, 1] * x + matrix[0, 2] * y,
+        matrix[1, 0] + matrix[1, 1] * x + matrix[1, 2] * y,
+        matrix[2, 0] + matrix[2, 1] * x + matrix[2, 2] * y,
     )
 
 
 @jit
-def generic_hit(x: float, y: float, k: int, scene: Scene) -> tuple[float, int]:
-    """Hit generic object k with the ray of sample (x, y).
+def generic_hit(x: float, y: float, thing: Any, planes: Floats, camera: Camera) -> tuple[float, int]:
+    """Hit a generic object, an ``OBJECT``, with the ray of sample (x, y).
 
     Returns
     -------
@@ -296,9 +256,8 @@ def generic_hit(x: float, y: float, k: int, scene: Scene) -> tuple[float, int]:
     face : int
         Face id, ``NO_FACE`` for a miss.
     """
-    camera, objects, shapes = scene.camera, scene.objects, scene.shapes
-    o, d = at_sample(objects.origin, k, x, y), at_sample(objects.direction, k, x, y)
-    kind, cull = objects.kind[k], objects.cull[k]
+    o, d = at_sample(thing["origin"], x, y), at_sample(thing["direction"], x, y)
+    kind, cull = thing["kind"], thing["cull"]
     if kind == SQUARE:
         t, face = square_hit(o, d, camera.near, camera.far, cull)
     else:
@@ -307,32 +266,31 @@ def generic_hit(x: float, y: float, k: int, scene: Scene) -> tuple[float, int]:
         elif kind == CYLINDER:
             span = cylinder_span(o, d)
         else:
-            start, end = shapes.plane_start[objects.shape[k]], shapes.plane_start[objects.shape[k] + 1]
-            span = polyhedron_span(o, d, shapes.plane[start:end])
+            span = polyhedron_span(o, d, planes, thing["start"], thing["end"])
         t, face = first_hit(span, camera.near, camera.far, cull)
     if face == NO_FACE:
         return -np.inf, NO_FACE
-    return nearness_of(t, camera.perspective), objects.first_face[k] + face
+    return nearness_of(t, camera.perspective), np.int64(thing["first_face"] + face)
 
 
 @jit
-def triangle_hit(x: float, y: float, k: int, triangle: int, scene: Scene) -> tuple[float, int]:
-    """Hit one triangle of mesh object k with the ray of sample (x, y); see :func:`generic_hit`."""
-    camera, objects, shapes = scene.camera, scene.objects, scene.shapes
-    a = _projected(scene, k, shapes.corner[triangle, 0])
-    b = _projected(scene, k, shapes.corner[triangle, 1])
-    c = _projected(scene, k, shapes.corner[triangle, 2])
-    facet = facet_of(a, b, c, camera.perspective, objects.cull[k], objects.mirrored[k])
+def triangle_hit(
+    x: float, y: float, thing: Any, triangle: Any, vertices: Floats, camera: Camera
+) -> tuple[float, int]:
+    """Hit one ``TRIANGLE`` of a mesh object with the ray of sample (x, y); see :func:`generic_hit`."""
+    a = _projected(thing["screen"], vertices, triangle["corner"][0], camera.perspective)
+    b = _projected(thing["screen"], vertices, triangle["corner"][1], camera.perspective)
+    c = _projected(thing["screen"], vertices, triangle["corner"][2], camera.perspective)
+    facet = facet_of(a, b, c, camera.perspective, thing["cull"], thing["mirrored"])
     if facet.turn == 0.0:
         return -np.inf, NO_FACE
     nearness = covered_nearness(row_of(facet, y), x, camera.closest)
-    return nearness, objects.first_face[k] + shapes.face[triangle]
+    return nearness, np.int64(thing["first_face"] + triangle["face"])
 
 
 @jit
-def _projected(scene: Scene, k: int, vertex: int) -> Corner:
-    p, screen = scene.shapes.vertex, scene.objects.screen
-    return corner_of(screen[k], p[vertex, 0], p[vertex, 1], p[vertex, 2], scene.camera.perspective)
+def _projected(screen: Floats, vertices: Floats, k: int, perspective: bool) -> Corner:
+    return corner_of(screen, vertices[k, 0], vertices[k, 1], vertices[k, 2], perspective)
 
 
 # ---------------------------------------------------------------- the nearest hit of one ray
@@ -366,32 +324,6 @@ def tally(work: Array | None, what: int) -> None:
 
 
 @jit
-def nearest_in_list(x: float, y: float, scene: Scene, extents: bool, work: Array | None) -> Best:
-    """Find the nearest hit of the ray of sample (x, y) in the object list.
-
-    Parameters
-    ----------
-    extents : bool
-        Whether an object is skipped if the ray misses its extent.
-    """
-    objects = scene.objects
-    best = Best(scene.camera.farthest, NO_OWNER)
-    for k in range(len(objects.kind)):
-        if extents:
-            tally(work, EXTENT_TESTS)
-            beam = beam_of(objects, k, x, y, scene.camera)
-            if box_entry(objects.low, objects.high, k, beam) == np.inf:
-                continue
-        if objects.kind[k] != MESH:
-            best = better(counted(generic_hit(x, y, k, scene), work), best)
-            continue
-        mesh = objects.shape[k]
-        for triangle in range(scene.shapes.triangle_start[mesh], scene.shapes.triangle_start[mesh + 1]):
-            best = better(counted(triangle_hit(x, y, k, triangle, scene), work), best)
-    return best
-
-
-@jit
 def counted(hit: tuple[float, int], work: Array | None) -> tuple[float, int]:
     """Tally a tested face, and its hit if it is one."""
     tally(work, FACE_TESTS)
@@ -400,112 +332,54 @@ def counted(hit: tuple[float, int], work: Array | None) -> tuple[float, int]:
     return hit
 
 
-class Pending(NamedTuple):
-    """Nodes that wait in a walk, and the depths at which the ray enters them."""
-
-    node: Array
-    entry: Floats
-
-
 @jit
-def push(pending: Pending, waiting: int, tree: Tree, node: int, beam: Beam) -> int:
-    """Let a node wait if the beam meets it; return how many nodes wait now."""
-    entry = box_entry(tree.low, tree.high, node, beam)
-    if entry == np.inf:
-        return waiting
-    pending.node[waiting], pending.entry[waiting] = node, entry
-    return waiting + 1
-
-
-@jit
-def push_children(pending: Pending, waiting: int, tree: Tree, first: int, beam: Beam) -> int:
-    """Let two sister nodes wait, the one entered earlier on top; return how many nodes wait now."""
-    one = push(pending, waiting, tree, first, beam)
-    two = push(pending, one, tree, first + 1, beam)
-    if two == waiting + 2 and pending.entry[waiting] < pending.entry[waiting + 1]:
-        pending.node[waiting], pending.node[waiting + 1] = first + 1, first
-        entry = pending.entry[waiting]
-        pending.entry[waiting], pending.entry[waiting + 1] = pending.entry[waiting + 1], entry
-    return two
-
-
-@jit
-def nearest_in_hierarchy(
-    x: float, y: float, scene: Scene, world: Tree, rooms: tuple[Pending, Pending], work: Array | None
+def nearest_in_list(
+    x: float,
+    y: float,
+    camera: Camera,
+    objects: Array,
+    planes: Floats,
+    vertices: Floats,
+    triangles: Array,
+    extents: bool,
+    work: Array | None,
 ) -> Best:
-    """Find the nearest hit of the ray of sample (x, y) through the hierarchy over the objects.
+    """Find the nearest hit of the ray of sample (x, y) in the object list.
 
     Parameters
     ----------
-    world : Tree
-        Its boxes are the objects' extents in world space.
-    rooms : two Pending
-        For the walk over the objects and for the walk within one mesh.
+    extents : bool
+        Whether an object is skipped if the ray misses its extent.
     """
-    camera, objects, pending = scene.camera, scene.objects, rooms[0]
-    beam = beam_of(objects, len(objects.kind), x, y, camera)
     best = Best(camera.farthest, NO_OWNER)
-    waiting = push(pending, 0, world, 0, beam)
-    while waiting > 0:
-        waiting -= 1
-        node, entry = pending.node[waiting], pending.entry[waiting]
-        tally(work, NODES)
-        if nearness_of(entry, camera.perspective) < best.nearness:
+    for k in range(len(objects) - 1):
+        thing = objects[k]
+        if extents and not meets_extent(x, y, thing, camera, work):
             continue
-        first, count = world.first[node], world.count[node]
-        if count == INNER:
-            waiting = push_children(pending, waiting, world, first, beam)
+        if thing["kind"] != MESH:
+            best = better(counted(generic_hit(x, y, thing, planes, camera), work), best)
             continue
-        for k in range(first, first + count):
-            if objects.kind[k] == MESH:
-                best = nearest_in_mesh(x, y, k, scene, best, rooms[1], work)
-            else:
-                best = nearest_in_extent(x, y, k, scene, best, work)
+        for i in range(thing["start"], thing["end"]):
+            hit = counted(triangle_hit(x, y, thing, triangles[i], vertices, camera), work)
+            best = better(hit, best)
     return best
 
 
 @jit
-def nearest_in_extent(x: float, y: float, k: int, scene: Scene, best: Best, work: Array | None) -> Best:
-    """Return the better of ``best`` and the hit of generic object k, if the ray meets its extent."""
-    camera, objects = scene.camera, scene.objects
-    beam = beam_of(objects, k, x, y, camera)
+def meets_extent(x: float, y: float, thing: Any, camera: Camera, work: Array | None) -> bool:
+    """Whether the ray of sample (x, y) meets the extent of an object."""
     tally(work, EXTENT_TESTS)
-    if box_entry(objects.low, objects.high, k, beam) == np.inf:
-        return best
-    return better(counted(generic_hit(x, y, k, scene), work), best)
+    return box_entry(thing, beam_of(thing, x, y, camera)) < np.inf
 
 
 @jit
-def nearest_in_mesh(
-    x: float, y: float, k: int, scene: Scene, best: Best, pending: Pending, work: Array | None
-) -> Best:
-    """Return the better of ``best`` and the nearest hit of mesh object k, through its hierarchy."""
-    camera, objects, tree = scene.camera, scene.objects, scene.tree
-    beam = beam_of(objects, k, x, y, camera)
-    waiting = push(pending, 0, tree, scene.shapes.node_start[objects.shape[k]], beam)
-    while waiting > 0:
-        waiting -= 1
-        node, entry = pending.node[waiting], pending.entry[waiting]
-        tally(work, NODES)
-        if nearness_of(entry, camera.perspective) < best.nearness:
-            continue
-        first, count = tree.first[node], tree.count[node]
-        if count == INNER:
-            waiting = push_children(pending, waiting, tree, first, beam)
-            continue
-        for triangle in range(first, first + count):
-            best = better(counted(triangle_hit(x, y, k, triangle, scene), work), best)
-    return best
-
-
-@jit
-def beam_of(objects: Objects, k: int, x: float, y: float, camera: Camera) -> Beam:
-    """Return the ray of sample (x, y) in frame k, thick enough to hold the true line of sight."""
-    d, margin = at_sample(objects.direction, k, x, y), objects.margin
+def beam_of(thing: Any, x: float, y: float, camera: Camera) -> Beam:
+    """Return the ray of sample (x, y) in an object's frame, thick enough to hold the line of sight."""
+    d, margin = at_sample(thing["direction"], x, y), thing["margin"]
     return Beam(
-        at_sample(objects.origin, k, x, y),
+        at_sample(thing["origin"], x, y),
         (reciprocal(d[0]), reciprocal(d[1]), reciprocal(d[2])),
-        (margin[k, 0], margin[k, 1], margin[k, 2]),
+        (margin[0], margin[1], margin[2]),
         camera.near,
         camera.far,
     )
@@ -517,54 +391,164 @@ def reciprocal(number: float) -> float:
     return 1.0 / number if number != 0.0 else np.inf
 
 
+class Pending(NamedTuple):
+    """Nodes that wait in a walk, and the depths at which the ray enters them."""
+
+    node: Array
+    entry: Floats
+
+
+@jit
+def push(pending: Pending, waiting: int, nodes: Array, node: int, beam: Beam) -> int:
+    """Let a node wait if the beam meets it; return how many nodes wait now."""
+    entry = box_entry(nodes[node], beam)
+    if entry == np.inf:
+        return waiting
+    pending.node[waiting], pending.entry[waiting] = node, entry
+    return waiting + 1
+
+
+@jit
+def push_children(pending: Pending, waiting: int, nodes: Array, first: int, beam: Beam) -> int:
+    """Let two sister nodes wait, the one entered earlier on top; return how many nodes wait now."""
+    one = push(pending, waiting, nodes, first, beam)
+    two = push(pending, one, nodes, first + 1, beam)
+    if two == waiting + 2 and pending.entry[waiting] < pending.entry[waiting + 1]:
+        pending.node[waiting], pending.node[waiting + 1] = first + 1, first
+        entry = pending.entry[waiting]
+        pending.entry[waiting], pending.entry[waiting + 1] = pending.entry[waiting + 1], entry
+    return two
+
+
+@jit
+def nearest_in_hierarchy(
+    x: float,
+    y: float,
+    camera: Camera,
+    objects: Array,
+    planes: Floats,
+    vertices: Floats,
+    triangles: Array,
+    nodes: Array,
+    rooms: tuple[Pending, Pending],
+    work: Array | None,
+) -> Best:
+    """Find the nearest hit of the ray of sample (x, y) through the hierarchy over the objects.
+
+    Parameters
+    ----------
+    rooms : two Pending
+        For the walk over the objects and for the walk within one mesh.
+    """
+    pending, world = rooms[0], objects[len(objects) - 1]
+    beam = beam_of(world, x, y, camera)
+    best = Best(camera.farthest, NO_OWNER)
+    waiting = push(pending, 0, nodes, world["root"], beam)
+    while waiting > 0:
+        waiting -= 1
+        node = nodes[pending.node[waiting]]
+        tally(work, NODES)
+        if nearness_of(pending.entry[waiting], camera.perspective) < best.nearness:
+            continue
+        if node["count"] == INNER:
+            waiting = push_children(pending, waiting, nodes, node["first"], beam)
+            continue
+        for k in range(node["first"], node["first"] + node["count"]):
+            thing = objects[k]
+            if thing["kind"] == MESH:
+                best = nearest_in_mesh(x, y, camera, thing, vertices, triangles, nodes, best, rooms[1], work)
+            elif meets_extent(x, y, thing, camera, work):
+                best = better(counted(generic_hit(x, y, thing, planes, camera), work), best)
+    return best
+
+
+@jit
+def nearest_in_mesh(
+    x: float,
+    y: float,
+    camera: Camera,
+    thing: Any,
+    vertices: Floats,
+    triangles: Array,
+    nodes: Array,
+    best: Best,
+    pending: Pending,
+    work: Array | None,
+) -> Best:
+    """Return the better of ``best`` and the nearest hit of a mesh object, through its hierarchy."""
+    beam = beam_of(thing, x, y, camera)
+    waiting = push(pending, 0, nodes, thing["root"], beam)
+    while waiting > 0:
+        waiting -= 1
+        node = nodes[pending.node[waiting]]
+        tally(work, NODES)
+        if nearness_of(pending.entry[waiting], camera.perspective) < best.nearness:
+            continue
+        if node["count"] == INNER:
+            waiting = push_children(pending, waiting, nodes, node["first"], beam)
+            continue
+        for i in range(node["first"], node["first"] + node["count"]):
+            hit = counted(triangle_hit(x, y, thing, triangles[i], vertices, camera), work)
+            best = better(hit, best)
+    return best
+
+
 # ---------------------------------------------------------------- all rays
 
 
 @parallel_jit
 def cast(
     camera: Camera,
-    objects: Objects,
-    shapes: Shapes,
-    tree: Tree,
-    world: Tree,
+    objects: Array,
+    planes: Floats,
+    vertices: Floats,
+    triangles: Array,
+    nodes: Array,
     way: int,
-    image: Image,
+    face: Ints,
+    depth: Floats,
     work: Array | None,
 ) -> None:
     """Cast the rays of all samples, one at a time.
 
     Parameters
     ----------
-    camera, objects, shapes, tree
-        The parts of a scene.
-    world : Tree
-        The hierarchy over the objects.
+    camera : Camera
+    objects : (n + 1,) OBJECT
+    planes : (P, 4) float64
+        Of all polyhedra: inside is ``n . p <= m`` for each row (n, m).
+    vertices : (V, 3) float64
+        Of all meshes, object space.
+    triangles : (T,) TRIANGLE
+        Of all meshes, in the order of the leaves.
+    nodes : (N,) NODE
+        Of the hierarchies of all meshes, and of that over the objects.
     way : int
         ``LIST``, ``EXTENTS`` or ``HIERARCHY``.
-    image : Image
-        Receives the answer.
+    face : (H, W) int32
+        Receives the face id of every sample, -1 for the background.
+    depth : (H, W) float64
+        Receives its depth, ``+inf`` for the background.
     work : (H, COUNTS) int64 or None
         Receives the work done for every row.
     """
     for row in prange(camera.height):
-        scene = Scene(camera, objects, shapes, tree)
-        cast_row(row, scene, world, way, image, None if work is None else work[row])
-
-
-@jit
-def cast_row(row: int, scene: Scene, world: Tree, way: int, image: Image, work: Array | None) -> None:
-    """Cast the rays of one row of samples."""
-    camera = scene.camera
-    rooms = (room(), room())
-    y = row + 0.5 - 0.5 * camera.height
-    for column in range(camera.width):
-        x = column + 0.5 - 0.5 * camera.width
-        tally(work, RAYS)
-        if way == HIERARCHY:
-            best = nearest_in_hierarchy(x, y, scene, world, rooms, work)
-        else:
-            best = nearest_in_list(x, y, scene, way == EXTENTS, work)
-        image.face[row, column], image.depth[row, column] = answer_of(best, camera.perspective)
+        rooms = (room(), room())
+        done = None if work is None else work[row]
+        y = row + 0.5 - 0.5 * camera.height
+        for column in range(camera.width):
+            x = column + 0.5 - 0.5 * camera.width
+            tally(done, RAYS)
+            if way == HIERARCHY:
+                best = nearest_in_hierarchy(
+                    x, y, camera, objects, planes, vertices, triangles, nodes, rooms, done
+                )
+            else:
+                extents = way == EXTENTS
+                best = nearest_in_list(
+                    x, y, camera, objects, planes, vertices, triangles, extents, done
+                )
+            face[row, column], depth[row, column] = answer_of(best, camera.perspective)
 
 
 @jit

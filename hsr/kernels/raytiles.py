@@ -6,30 +6,20 @@ in Wald, Boulos and Shirley, "Ray Tracing Deformable Scenes Using Dynamic Boundi
 Hierarchies", 2007). A node is passed by if its rectangle misses the tile, or if the whole tile
 already shows something nearer. What is left in the leaves is tested row by row of the tile.
 
-Instances are laid out on the screen in batches, nearest objects first, and forgotten afterwards, so
-that memory does not grow with their number. The tests themselves are those of ``rays``.
-
-The parallel loops only call: what Numba makes of a ``prange`` body loses what the body itself writes
-into the arrays of a tuple.
+Objects are laid out on the screen in batches, nearest first, and forgotten afterwards, so that memory
+does not grow with the number of instances. The tests themselves are those of ``rays``.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from hsr.arrays import Array, Floats, Ints
 from hsr.jit import jit, parallel_jit, prange
-from hsr.kernels.bounds import (
-    Corner,
-    Reach,
-    corner_of,
-    reach_box,
-    reach_triangle,
-    samples_of,
-)
-from hsr.kernels.hierarchy import INNER, STACK, Tree
+from hsr.kernels.bounds import Corner, Reach, corner_of, reach_box, reach_triangle, samples_of
+from hsr.kernels.hierarchy import INNER, STACK
 from hsr.kernels.rays import (
     EXTENT_TESTS,
     FACE_TESTS,
@@ -38,10 +28,6 @@ from hsr.kernels.rays import (
     Best,
     Camera,
     Facet,
-    Image,
-    Objects,
-    Scene,
-    Shapes,
     answer_of,
     better,
     counted,
@@ -57,394 +43,374 @@ SIDE = 16
 
 AREA = SIDE * SIDE
 
+SHARES = 16
+"""Shares of the image for the threads; share s has the tile rows s, s + SHARES, ..."""
+
 NONE = 32767
 """More than any column or row: images are at most 2^14 samples wide and high."""
 
-STRIPS = 16
-"""Shares of the image for the threads; share s has the tile rows s, s + STRIPS, ..."""
+TILE = np.dtype([("nearness", np.float64, AREA), ("face", np.int64, AREA), ("floor", np.float64)])
+"""The nearest hits of a tile so far, and the least nearness of them: what is less near is hidden."""
 
+REACH = np.dtype(
+    [
+        ("left", np.int16),
+        ("right", np.int16),
+        ("top", np.int16),
+        ("bottom", np.int16),
+        ("nearest", np.float64),
+    ]
+)
+"""First and last column, first and last row that something can reach (first > last where there is
+nothing), and its greatest nearness."""
 
-class Tiles(NamedTuple):
-    """The nearest hits so far, tile by tile (row-major), sample by sample.
-
-    Attributes
-    ----------
-    nearness : (tiles, AREA) float64
-    face : (tiles, AREA) int64
-    floor : (tiles,) float64
-        The least nearness within each tile: what is less near is hidden in all of it.
-    across : int
-        Tiles side by side.
-    """
-
-    nearness: Floats
-    face: Array
-    floor: Floats
-    across: int
-
-
-class Reaches(NamedTuple):
-    """What can be reached on the screen by all objects, then by nodes and triangles of a batch.
-
-    Attributes
-    ----------
-    samples : (n, 4) int16
-        First and last column, first and last row; first > last where there is nothing.
-    nearest : (n,) float64
-        Greatest nearness.
-    """
-
-    samples: Array
-    nearest: Floats
-
-
-class Batch(NamedTuple):
-    """Objects laid out on the screen together.
-
-    Attributes
-    ----------
-    member : (n,) int64
-        The objects, nearest first.
-    vertex_start : (n,) int64
-        Row of ``vertex`` where the vertices of each mesh begin.
-    node_start, triangle_start : (n,) int64
-        Place among the reaches where its nodes and its triangles begin.
-    vertex : (V, 4) float64
-        Projected vertices, see ``corner_of``.
-    """
-
-    member: Array
-    vertex_start: Array
-    node_start: Array
-    triangle_start: Array
-    vertex: Floats
+MEMBER = np.dtype(
+    [("object", np.int64), ("to_corner", np.int64), ("to_node", np.int64), ("to_triangle", np.int64)]
+)
+"""An object of a batch, and what to add to the row of a vertex to find its projected corner, to that of
+a node or triangle to find its reach."""
 
 
 # ---------------------------------------------------------------- laying out
 
 
 @jit
-def note_reach(reaches: Reaches, place: int, reach: Reach, camera: Camera) -> None:
-    """Write down the samples within a reach."""
-    samples = reaches.samples
-    samples[place, 0], samples[place, 1] = samples_of(reach.left, reach.right, camera.width)
-    samples[place, 2], samples[place, 3] = samples_of(reach.top, reach.bottom, camera.height)
-    reaches.nearest[place] = reach.nearest
+def note_reach(noted: Any, reach: Reach, camera: Camera) -> None:
+    """Write down the samples within a reach, and its greatest nearness."""
+    noted["left"], noted["right"] = samples_of(reach.left, reach.right, camera.width)
+    noted["top"], noted["bottom"] = samples_of(reach.top, reach.bottom, camera.height)
+    noted["nearest"] = reach.nearest
 
 
 @jit
-def reach_objects(scene: Scene, reaches: Reaches) -> None:
+def reach_objects(camera: Camera, objects: Array, reaches: Array) -> None:
     """Find the reach of every object's extent."""
-    camera, objects = scene.camera, scene.objects
-    for k in range(len(objects.kind)):
-        low, high = objects.low[k] - objects.margin[k], objects.high[k] + objects.margin[k]
-        reach = reach_box(objects.screen[k], low, high, camera.perspective, camera.near)
-        note_reach(reaches, k, reach, camera)
+    for k in range(len(reaches)):
+        thing = objects[k]
+        low, high, margin = thing["low"], thing["high"], thing["margin"]
+        start = (low[0] - margin[0], low[1] - margin[1], low[2] - margin[2])
+        end = (high[0] + margin[0], high[1] + margin[1], high[2] + margin[2])
+        reach = reach_box(thing["screen"], start, end, camera.perspective, camera.near)
+        note_reach(reaches[k], reach, camera)
 
 
 @parallel_jit
 def lay_out(
-    camera: Camera, objects: Objects, shapes: Shapes, tree: Tree, batch: Batch, reaches: Reaches, tiles: Tiles
+    camera: Camera,
+    objects: Array,
+    vertices: Floats,
+    triangles: Array,
+    nodes: Array,
+    members: Array,
+    corners: Floats,
+    reaches: Array,
+    tiles: Array,
 ) -> None:
-    """Project a batch of objects and refit their hierarchies; those hidden lose their reach."""
-    for place in prange(len(batch.member)):
-        lay_out_member(place, Scene(camera, objects, shapes, tree), batch, reaches, tiles)
+    """Project a batch of objects and refit their hierarchies; those hidden lose their reach.
+
+    Parameters
+    ----------
+    camera, objects, vertices, triangles, nodes
+        As for ``rays.cast``.
+    members : (n,) MEMBER
+        The batch, nearest first.
+    corners : (V, 4) float64
+        Receives the projected vertices, see ``corner_of``.
+    reaches : (R,) REACH
+        Those of all objects; receives those of the batch's nodes and triangles.
+    tiles : (rows, columns) TILE
+    """
+    for place in prange(len(members)):
+        member = members[place]
+        thing = objects[member["object"]]
+        if is_hidden(reaches[member["object"]], tiles):
+            reaches[member["object"]]["right"] = -1
+        elif thing["kind"] == MESH:
+            project_mesh(camera, thing, member, vertices, corners)
+            reach_triangles(camera, thing, member, triangles, corners, reaches)
+            reach_nodes(thing, member, nodes, reaches)
 
 
 @jit
-def lay_out_member(place: int, scene: Scene, batch: Batch, reaches: Reaches, tiles: Tiles) -> None:
-    """Lay out one object of a batch; see :func:`lay_out`."""
-    k = batch.member[place]
-    if is_hidden(reaches, k, tiles):
-        reaches.samples[k, 1] = -1
-    elif scene.objects.kind[k] == MESH:
-        project_mesh(scene, batch, place)
-        reach_triangles(scene, batch, place, reaches)
-        reach_nodes(scene, batch, place, reaches)
-
-
-@jit
-def is_hidden(reaches: Reaches, k: int, tiles: Tiles) -> bool:
-    """Whether every tile that object k can reach already shows something nearer."""
-    left, right, top, bottom = reaches.samples[k]
-    for row in range(top // SIDE, bottom // SIDE + 1):
-        for column in range(left // SIDE, right // SIDE + 1):
-            if reaches.nearest[k] >= tiles.floor[row * tiles.across + column]:
+def is_hidden(reach: Any, tiles: Array) -> bool:
+    """Whether every tile within reach already shows something nearer."""
+    for row in range(reach["top"] // SIDE, reach["bottom"] // SIDE + 1):
+        for column in range(reach["left"] // SIDE, reach["right"] // SIDE + 1):
+            if reach["nearest"] >= tiles[row, column]["floor"]:
                 return False
     return True
 
 
 @jit
-def project_mesh(scene: Scene, batch: Batch, place: int) -> None:
+def project_mesh(camera: Camera, thing: Any, member: Any, vertices: Floats, corners: Floats) -> None:
     """Carry the vertices of a mesh to the screen."""
-    k, shapes = batch.member[place], scene.shapes
-    mesh, screen = scene.objects.shape[k], scene.objects.screen[k]
-    start, target = shapes.vertex_start[mesh], batch.vertex_start[place]
-    for v in range(shapes.vertex_start[mesh + 1] - start):
-        p = shapes.vertex[start + v]
-        corner = corner_of(screen, p[0], p[1], p[2], scene.camera.perspective)
+    screen, target = thing["screen"], member["to_corner"]
+    for k in range(thing["vertex_start"], thing["vertex_end"]):
+        x, y, z = vertices[k, 0], vertices[k, 1], vertices[k, 2]
+        corner = corner_of(screen, x, y, z, camera.perspective)
         for i in range(4):
-            batch.vertex[target + v, i] = corner[i]
+            corners[k + target, i] = corner[i]
 
 
 @jit
-def reach_triangles(scene: Scene, batch: Batch, place: int, reaches: Reaches) -> None:
+def reach_triangles(
+    camera: Camera, thing: Any, member: Any, triangles: Array, corners: Floats, reaches: Array
+) -> None:
     """Find the reach of every triangle of a mesh."""
-    camera, shapes = scene.camera, scene.shapes
-    mesh = scene.objects.shape[batch.member[place]]
-    shift = batch.vertex_start[place] - shapes.vertex_start[mesh]
-    start, target = shapes.triangle_start[mesh], batch.triangle_start[place]
-    for i in range(shapes.triangle_start[mesh + 1] - start):
-        a, b, c = corners_of(shapes.corner, start + i, batch.vertex, shift)
+    for k in range(thing["start"], thing["end"]):
+        a, b, c = corners_of(triangles[k], corners, member["to_corner"])
         reach = reach_triangle(a, b, c, camera.perspective, camera.near)
-        note_reach(reaches, target + i, reach, camera)
+        note_reach(reaches[k + member["to_triangle"]], reach, camera)
 
 
 @jit
-def corners_of(corner: Ints, triangle: int, vertex: Floats, shift: int) -> tuple[Corner, Corner, Corner]:
-    """Return the projected corners of a triangle; ``shift`` leads from a vertex's index to its row."""
-    a, b, c = corner[triangle, 0] + shift, corner[triangle, 1] + shift, corner[triangle, 2] + shift
+def corners_of(triangle: Any, corners: Floats, to_corner: int) -> tuple[Corner, Corner, Corner]:
+    """Return the projected corners of a triangle."""
+    a, b, c = triangle["corner"][0], triangle["corner"][1], triangle["corner"][2]
     return (
-        (vertex[a, 0], vertex[a, 1], vertex[a, 2], vertex[a, 3]),
-        (vertex[b, 0], vertex[b, 1], vertex[b, 2], vertex[b, 3]),
-        (vertex[c, 0], vertex[c, 1], vertex[c, 2], vertex[c, 3]),
+        corner_at(corners, a + to_corner),
+        corner_at(corners, b + to_corner),
+        corner_at(corners, c + to_corner),
     )
 
 
 @jit
-def reach_nodes(scene: Scene, batch: Batch, place: int, reaches: Reaches) -> None:
-    """Find the reach of every node of a mesh's hierarchy, from the last to the first."""
-    shapes, tree = scene.shapes, scene.tree
-    mesh = scene.objects.shape[batch.member[place]]
-    start = shapes.node_start[mesh]
-    to_node = batch.node_start[place] - start
-    to_triangle = batch.triangle_start[place] - shapes.triangle_start[mesh]
-    for node in range(shapes.node_start[mesh + 1] - 1, start - 1, -1):
-        first, count = tree.first[node], tree.count[node]
-        if count == INNER:
-            join(reaches, node + to_node, first + to_node, 2)
-        else:
-            join(reaches, node + to_node, first + to_triangle, count)
+def corner_at(corners: Floats, k: int) -> Corner:
+    """Return one projected corner."""
+    return corners[k, 0], corners[k, 1], corners[k, 2], corners[k, 3]
 
 
 @jit
-def join(reaches: Reaches, place: int, first: int, count: int) -> None:
+def reach_nodes(thing: Any, member: Any, nodes: Array, reaches: Array) -> None:
+    """Find the reach of every node of a mesh's hierarchy, from the last to the first."""
+    for k in range(thing["root_end"] - 1, thing["root"] - 1, -1):
+        first, count = nodes[k]["first"], nodes[k]["count"]
+        if count == INNER:
+            join(reaches, k + member["to_node"], first + member["to_node"], 2)
+        else:
+            join(reaches, k + member["to_node"], first + member["to_triangle"], count)
+
+
+@jit
+def join(reaches: Array, place: int, first: int, count: int) -> None:
     """Make one reach of ``count`` that follow each other; empty ones add nothing."""
     left, right, top, bottom, nearest = NONE, -NONE, NONE, -NONE, -np.inf
-    for part in range(first, first + count):
-        samples = reaches.samples[part]
-        if samples[0] <= samples[1] and samples[2] <= samples[3]:
-            left, right = min(left, samples[0]), max(right, samples[1])
-            top, bottom = min(top, samples[2]), max(bottom, samples[3])
-            nearest = max(nearest, reaches.nearest[part])
-    reaches.samples[place, 0], reaches.samples[place, 1] = left, right
-    reaches.samples[place, 2], reaches.samples[place, 3] = top, bottom
-    reaches.nearest[place] = nearest
+    for k in range(first, first + count):
+        part = reaches[k]
+        if part["left"] <= part["right"] and part["top"] <= part["bottom"]:
+            left, right = min(left, part["left"]), max(right, part["right"])
+            top, bottom = min(top, part["top"]), max(bottom, part["bottom"])
+            nearest = max(nearest, part["nearest"])
+    whole = reaches[place]
+    whole["left"], whole["right"], whole["top"], whole["bottom"] = left, right, top, bottom
+    whole["nearest"] = nearest
 
 
 # ---------------------------------------------------------------- casting
 
 
-class Tile(NamedTuple):
-    """One tile: its number, its first sample, and its last sample within the image."""
+class Area(NamedTuple):
+    """The samples of one tile: its first and last within the image, and where the first lies."""
 
-    number: int
     column: int
     row: int
     last_column: int
     last_row: int
+    x: float
+    y: float
+
+
+@jit
+def area_of(tile_row: int, tile_column: int, camera: Camera) -> Area:
+    """Return the samples of the tile at a row and column of tiles."""
+    row, column = tile_row * SIDE, tile_column * SIDE
+    return Area(
+        column,
+        row,
+        min(column + SIDE, camera.width) - 1,
+        min(row + SIDE, camera.height) - 1,
+        column + 0.5 - 0.5 * camera.width,
+        row + 0.5 - 0.5 * camera.height,
+    )
 
 
 @parallel_jit
 def cast_batch(
     camera: Camera,
-    objects: Objects,
-    shapes: Shapes,
-    tree: Tree,
-    batch: Batch,
-    reaches: Reaches,
-    tiles: Tiles,
+    objects: Array,
+    planes: Floats,
+    triangles: Array,
+    nodes: Array,
+    members: Array,
+    corners: Floats,
+    reaches: Array,
+    tiles: Array,
     work: Array | None,
 ) -> None:
     """Cast the rays of all tiles into a batch of objects that is laid out.
 
     Parameters
     ----------
-    work : (STRIPS, COUNTS) int64 or None
+    camera, objects, planes, triangles, nodes
+        As for ``rays.cast``.
+    members, corners, reaches, tiles
+        As :func:`lay_out` left them; the tiles receive the nearest hits.
+    work : (SHARES, COUNTS) int64 or None
         Receives the work done for every share of the image.
     """
-    for strip in prange(STRIPS):
-        scene = Scene(camera, objects, shapes, tree)
-        share = None if work is None else work[strip]
-        for tile_row in range(strip, len(tiles.floor) // tiles.across, STRIPS):
-            cast_tile_row(tile_row, scene, batch, reaches, tiles, share)
+    for share in prange(SHARES):
+        done = None if work is None else work[share]
+        stack = np.empty(STACK, np.int64)
+        for tile_row in range(share, len(tiles), SHARES):
+            for place in range(len(members)):
+                member = members[place]
+                thing, reach = objects[member["object"]], reaches[member["object"]]
+                for tile_column in range(reach["left"] // SIDE, reach["right"] // SIDE + 1):
+                    area, tile = area_of(tile_row, tile_column, camera), tiles[tile_row, tile_column]
+                    tally(done, EXTENT_TESTS)
+                    if not can_show(reach, area, tile):
+                        continue
+                    if thing["kind"] == MESH:
+                        cast_into_mesh(
+                            area, camera, thing, member, triangles, nodes, corners, reaches, tile, stack, done
+                        )
+                    else:
+                        cast_into_generic(area, camera, thing, planes, reach, tile, done)
 
 
 @jit
-def cast_tile_row(
-    tile_row: int, scene: Scene, batch: Batch, reaches: Reaches, tiles: Tiles, work: Array | None
-) -> None:
-    """Cast the rays of one row of tiles into a batch of objects."""
-    stack = np.empty(STACK, np.int64)
-    for place in range(len(batch.member)):
-        k = batch.member[place]
-        left, right = reaches.samples[k, 0], reaches.samples[k, 1]
-        for tile_column in range(left // SIDE, right // SIDE + 1):
-            tile = tile_at(tile_row, tile_column, scene.camera, tiles)
-            tally(work, EXTENT_TESTS)
-            if not can_show(reaches, k, tile, tiles):
-                continue
-            if scene.objects.kind[k] == MESH:
-                cast_into_mesh(tile, scene, batch, place, reaches, tiles, stack, work)
-            else:
-                cast_into_generic(tile, scene, k, reaches, tiles, work)
-
-
-@jit
-def tile_at(tile_row: int, tile_column: int, camera: Camera, tiles: Tiles) -> Tile:
-    """Return the tile at a row and column of tiles."""
-    row, column = tile_row * SIDE, tile_column * SIDE
-    last_row, last_column = min(row + SIDE, camera.height) - 1, min(column + SIDE, camera.width) - 1
-    return Tile(tile_row * tiles.across + tile_column, column, row, last_column, last_row)
+def can_show(reach: Any, area: Area, tile: Any) -> bool:
+    """Whether something reaches into a tile, and may be nearer than some of what the tile shows."""
+    return (
+        reach["left"] <= area.last_column
+        and reach["right"] >= area.column
+        and reach["top"] <= area.last_row
+        and reach["bottom"] >= area.row
+        and reach["nearest"] >= tile["floor"]
+    )
 
 
 @jit
 def cast_into_generic(
-    tile: Tile, scene: Scene, k: int, reaches: Reaches, tiles: Tiles, work: Array | None
+    area: Area, camera: Camera, thing: Any, planes: Floats, reach: Any, tile: Any, work: Array | None
 ) -> None:
     """Hit a generic object with each ray of a tile that its extent can reach."""
-    camera, samples = scene.camera, reaches.samples[k]
-    nearness, owner = tiles.nearness[tile.number], tiles.face[tile.number]
-    for row in range(max(tile.row, samples[2]), min(tile.last_row, samples[3]) + 1):
-        y = row + 0.5 - 0.5 * camera.height
-        for column in range(max(tile.column, samples[0]), min(tile.last_column, samples[1]) + 1):
-            x = column + 0.5 - 0.5 * camera.width
-            sample = (row - tile.row) * SIDE + column - tile.column
-            hit = counted(generic_hit(x, y, k, scene), work)
-            nearness[sample], owner[sample] = better(hit, Best(nearness[sample], owner[sample]))
-    raise_floor(tile, tiles)
+    nearness, owner = tile["nearness"], tile["face"]
+    left, right = max(area.column, reach["left"]), min(area.last_column, reach["right"])
+    for row in range(max(area.row, reach["top"]), min(area.last_row, reach["bottom"]) + 1):
+        y = area.y + (row - area.row)
+        for column in range(left, right + 1):
+            x = area.x + (column - area.column)
+            k = (row - area.row) * SIDE + column - area.column
+            hit = counted(generic_hit(x, y, thing, planes, camera), work)
+            nearness[k], owner[k] = better(hit, Best(nearness[k], owner[k]))
+    raise_floor(tile)
 
 
 @jit
 def cast_into_mesh(
-    tile: Tile,
-    scene: Scene,
-    batch: Batch,
-    place: int,
-    reaches: Reaches,
-    tiles: Tiles,
+    area: Area,
+    camera: Camera,
+    thing: Any,
+    member: Any,
+    triangles: Array,
+    nodes: Array,
+    corners: Floats,
+    reaches: Array,
+    tile: Any,
     stack: Array,
     work: Array | None,
 ) -> None:
     """Walk a tile through the hierarchy of a mesh, the nearer child first."""
-    root = scene.shapes.node_start[scene.objects.shape[batch.member[place]]]
-    to_reach = batch.node_start[place] - root
-    stack[0] = root
+    to_node = member["to_node"]
+    stack[0] = thing["root"]
     waiting = 1
     while waiting > 0:
         waiting -= 1
-        node = stack[waiting]
+        k = stack[waiting]
         tally(work, NODES)
-        if not can_show(reaches, node + to_reach, tile, tiles):
+        if not can_show(reaches[k + to_node], area, tile):
             continue
-        first, count = scene.tree.first[node], scene.tree.count[node]
+        first, count = nodes[k]["first"], nodes[k]["count"]
         if count != INNER:
-            cast_into_leaf(tile, scene, batch, place, node, reaches, tiles, work)
+            leaf = (first, first + count)
+            cast_into_leaf(area, camera, thing, member, leaf, triangles, corners, reaches, tile, work)
             continue
-        second_nearer = reaches.nearest[first + 1 + to_reach] > reaches.nearest[first + to_reach]
+        nearest = reaches[first + to_node]["nearest"]
+        second_nearer = reaches[first + 1 + to_node]["nearest"] > nearest
         stack[waiting] = first if second_nearer else first + 1
         stack[waiting + 1] = first + 1 if second_nearer else first
         waiting += 2
 
 
 @jit
-def can_show(reaches: Reaches, place: int, tile: Tile, tiles: Tiles) -> bool:
-    """Whether something reaches into a tile, and nearer than all that the tile shows."""
-    left, right, top, bottom = reaches.samples[place]
-    return (
-        left <= tile.last_column
-        and right >= tile.column
-        and top <= tile.last_row
-        and bottom >= tile.row
-        and reaches.nearest[place] >= tiles.floor[tile.number]
-    )
-
-
-@jit
 def cast_into_leaf(
-    tile: Tile,
-    scene: Scene,
-    batch: Batch,
-    place: int,
-    leaf: int,
-    reaches: Reaches,
-    tiles: Tiles,
+    area: Area,
+    camera: Camera,
+    thing: Any,
+    member: Any,
+    leaf: tuple[int, int],
+    triangles: Array,
+    corners: Floats,
+    reaches: Array,
+    tile: Any,
     work: Array | None,
 ) -> None:
-    """Test the triangles of a leaf that reach into a tile."""
-    camera, objects, shapes = scene.camera, scene.objects, scene.shapes
-    k = batch.member[place]
-    mesh = objects.shape[k]
-    to_vertex = batch.vertex_start[place] - shapes.vertex_start[mesh]
-    to_reach = batch.triangle_start[place] - shapes.triangle_start[mesh]
-    first = scene.tree.first[leaf]
+    """Test the triangles of a leaf, first to end, that reach into a tile."""
     tested = False
-    for triangle in range(first, first + scene.tree.count[leaf]):
-        if not can_show(reaches, triangle + to_reach, tile, tiles):
+    for k in range(leaf[0], leaf[1]):
+        reach = reaches[k + member["to_triangle"]]
+        if not can_show(reach, area, tile):
             continue
-        a, b, c = corners_of(shapes.corner, triangle, batch.vertex, to_vertex)
-        facet = facet_of(a, b, c, camera.perspective, objects.cull[k], objects.mirrored[k])
+        a, b, c = corners_of(triangles[k], corners, member["to_corner"])
+        facet = facet_of(a, b, c, camera.perspective, thing["cull"], thing["mirrored"])
         tally(work, FACE_TESTS)
         if facet.turn == 0.0:
             continue
-        face = objects.first_face[k] + shapes.face[triangle]
-        samples = reaches.samples[triangle + to_reach]
-        for row in range(max(tile.row, samples[2]), min(tile.last_row, samples[3]) + 1):
-            cast_into_row(facet, face, row, tile, camera, tiles)
+        face = thing["first_face"] + triangles[k]["face"]
+        for row in range(max(area.row, reach["top"]), min(area.last_row, reach["bottom"]) + 1):
+            cast_into_row(facet, face, row - area.row, area, camera.closest, tile)
         tested = True
     if tested:
-        raise_floor(tile, tiles)
+        raise_floor(tile)
 
 
 @jit
-def cast_into_row(facet: Facet, face: int, row: int, tile: Tile, camera: Camera, tiles: Tiles) -> None:
+def cast_into_row(facet: Facet, face: int, row: int, area: Area, closest: float, tile: Any) -> None:
     """Test one triangle with a row of 16 rays; written without branches, to become vector code."""
-    line = row_of(facet, row + 0.5 - 0.5 * camera.height)
-    x = tile.column + 0.5 - 0.5 * camera.width
-    start = (row - tile.row) * SIDE
-    nearness, owner = tiles.nearness[tile.number], tiles.face[tile.number]
+    line = row_of(facet, area.y + row)
+    nearness, owner = tile["nearness"], tile["face"]
     for i in range(SIDE):
-        here = covered_nearness(line, x + i, camera.closest)
-        best, best_face = nearness[start + i], owner[start + i]
+        k = row * SIDE + i
+        here = covered_nearness(line, area.x + i, closest)
+        best, best_face = nearness[k], owner[k]
         nearer = (here > best) | ((here == best) & (face < best_face))
-        nearness[start + i] = here if nearer else best
-        owner[start + i] = face if nearer else best_face
+        nearness[k] = here if nearer else best
+        owner[k] = face if nearer else best_face
 
 
 @jit
-def raise_floor(tile: Tile, tiles: Tiles) -> None:
+def raise_floor(tile: Any) -> None:
     """Work out the least nearness in a tile: sixteen columns side by side, then across."""
-    nearness = tiles.nearness[tile.number]
-    column = nearness[:SIDE].copy()
+    nearness = tile["nearness"]
+    column = np.empty(SIDE)
+    for i in range(SIDE):
+        column[i] = nearness[i]
     for row in range(1, SIDE):
         for i in range(SIDE):
             here = nearness[row * SIDE + i]
             column[i] = here if here < column[i] else column[i]
-    tiles.floor[tile.number] = column.min()
+    tile["floor"] = column.min()
 
 
 @parallel_jit
-def read_out(camera: Camera, tiles: Tiles, image: Image) -> None:
-    """Copy the answers of all tiles into the map."""
-    for row in prange(camera.height):
-        read_row(row, camera, tiles, image)
-
-
-@jit
-def read_row(row: int, camera: Camera, tiles: Tiles, image: Image) -> None:
-    """Copy one row of samples into the map."""
-    first, start = row // SIDE * tiles.across, row % SIDE * SIDE
-    for column in range(camera.width):
-        number, sample = first + column // SIDE, start + column % SIDE
-        best = Best(tiles.nearness[number, sample], tiles.face[number, sample])
-        image.face[row, column], image.depth[row, column] = answer_of(best, camera.perspective)
+def read_out(camera: Camera, tiles: Array, face: Ints, depth: Floats) -> None:
+    """Copy the answers of all tiles into the map; see ``rays.cast``."""
+    for tile_row in prange(len(tiles)):
+        for tile_column in range(tiles.shape[1]):
+            area, tile = area_of(tile_row, tile_column, camera), tiles[tile_row, tile_column]
+            for row in range(area.row, area.last_row + 1):
+                for column in range(area.column, area.last_column + 1):
+                    k = (row - area.row) * SIDE + column - area.column
+                    best = Best(tile["nearness"][k], tile["face"][k])
+                    face[row, column], depth[row, column] = answer_of(best, camera.perspective)

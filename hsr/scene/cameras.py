@@ -77,10 +77,11 @@ def projection_of(camera: Camera, aspect: float) -> Projection:
         If a matrix has no usable near and far plane, or numbers overflow. The message does not
         name the camera.
     """
-    with np.errstate(over="ignore", invalid="ignore"):
+    with np.errstate(all="ignore"):
         projection = _projection(camera, aspect)
-    if not (np.isfinite(projection.clip_from_world).all() and np.isfinite(projection.depth_row).all()):
-        raise ViewError("its numbers are too large: the projection overflows float64")
+    rows = np.vstack([projection.clip_from_world, projection.depth_row])
+    if not np.isfinite(rows).all() or exact_determinant(projection.clip_from_world) == 0:
+        raise ViewError("its numbers are too extreme: the projection over- or underflows float64")
     return projection
 
 
@@ -160,8 +161,10 @@ def _perspective_matrix(clip: Floats) -> Projection:
     b = float(z_row[3] - a * depth_row[3])
     if np.abs(z_row[:3] - a * depth_row[:3]).max() > OBLIQUE * np.abs(z_row[:3]).max():
         raise ViewError("its near plane is oblique; the third row must be parallel to the fourth")
-    near = -b / (a + scale) if a + scale > 0.0 else math.inf
-    far = b / (scale - a) if a > scale else math.inf
+    near = -b / (a + scale) if a != -scale else math.inf
+    far = b / (scale - a) if a != scale else math.inf
+    # Rounding may push an infinite far plane beyond infinity, where it comes back from behind.
+    far = far if far > 0.0 else math.inf
     if not 0.0 < near < far:
         raise ViewError(f"its near plane is at {near:g} and its far plane at {far:g}; needed 0 < near < far")
     return Projection(clip, depth_row, near, far)

@@ -64,8 +64,7 @@ def winding_number(point: Floats, triangles: Floats) -> float:
 
 def _welded(polygons: Polygons) -> tuple[Floats, Array, Array]:
     """Return the different points, the triangles (n, 3) between them and the face (n,) of each."""
-    # Adding zero turns -0 into 0.
-    points, index = np.unique(polygons.vertices + 0.0, axis=0, return_inverse=True)
+    points, index = np.unique(polygons.vertices, axis=0, return_inverse=True)
     triangles = index.reshape(-1)[polygons.triangle_vertex].astype(np.int64)
     a, b, c = triangles.T
     proper = (a != b) & (b != c) & (c != a)

@@ -114,7 +114,7 @@ def test_other_packages_register_methods(monkeypatch: pytest.MonkeyPatch, make_s
     methods.cache_clear()
     try:
         assert hsr.render(make_scene(CUBE), "theirs", size=(8, 8)).method == "theirs"
-        monkeypatch.setattr(Entry, "load", lambda self: "not a method")
+        monkeypatch.setattr(Entry, "load", lambda _self: "not a method")
         methods.cache_clear()
         with pytest.raises(MethodError, match=r"their\.package:method must be an hsr\.Method, not str"):
             methods()

@@ -210,6 +210,7 @@ def test_the_fitted_camera_has_the_whole_mesh_in_view(tmp_path: Path, aspect: fl
     projection = projection_of(camera, aspect)
     x, y, _, w = projection.clip_from_world @ np.column_stack([corners[:59], np.ones(59)]).T
     assert np.abs(x / w).max() < 1.0 and np.abs(y / w).max() < 1.0
+    assert max(np.abs(x / w).max(), np.abs(y / w).max()) > 0.2
     assert w.min() > projection.near > 0.2 * w.min()
     assert scene.light and scene.object[0].name == "a"
 

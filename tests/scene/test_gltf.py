@@ -196,7 +196,7 @@ def test_an_eye_far_from_the_origin_keeps_its_direction(tmp_path: Path) -> None:
     assert isinstance(camera, Perspective)
     sight = np.subtract(camera.target, camera.eye)
     expected = [-2 * 0.1 * math.sqrt(0.99), 0.0, -(1 - 2 * 0.01)]
-    assert np.allclose(sight / np.linalg.norm(sight), expected, atol=1e-15)
+    assert np.allclose(sight / np.linalg.norm(sight), expected, rtol=0.0, atol=4e-16)
 
 
 # ---------------------------------------------------------------- problems

@@ -106,8 +106,9 @@ def test_ply_squares_keep_their_order(tmp_path: Path) -> None:
     assert loops(read(tmp_path, "a.ply", text)) == [[0, 1, 2], [0, 2, 3], [3, 2, 1], [3, 1, 0]]
 
 
-def test_a_ply_file_of_one_face(tmp_path: Path) -> None:
-    text = PLY_HEADER.format("ascii", 1) + PLY_VERTICES + "3 0 1 2\n"
+@pytest.mark.parametrize("key", ["vertex_indices", "vertex_index"])
+def test_a_ply_file_of_one_face(tmp_path: Path, key: str) -> None:
+    text = PLY_HEADER.format("ascii", 1).replace("vertex_indices", key) + PLY_VERTICES + "3 0 1 2\n"
     assert loops(read(tmp_path, "a.ply", text)) == [[0, 1, 2]]
 
 

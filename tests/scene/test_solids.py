@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import itertools
+from fractions import Fraction
 
 import numpy as np
 import pytest
 
 from hsr.arrays import Array, Floats
 from hsr.scene import solids
+from hsr.scene.model import exact_determinant
 from hsr.scene.shapes import Kind, Polygons, generic, tessellated
 from hsr.scene.solids import surface_problem, winding_number
 
@@ -148,14 +150,21 @@ def test_two_triangles_meet_when_the_definition_says_so(shared: int, flat: bool)
 
 
 def test_sides_are_exact_where_floats_are_in_doubt() -> None:
-    tiny = 2.0**-53
-    points = np.array([[0.5, 0.5, 0.0], [1.0, 1.0, 0.0], [0.25, 0.25, 0.7], [0.75, 0.75 + tiny, 0.1]])
-    space = solids._Space(points, solids._integers(points))
-    a, b, c, d = (np.array([k]) for k in range(4))
-    sign = int(space.side(a, b, c, d)[0])
-    assert sign != 0 and sign == -int(space.side(b, a, c, d)[0])
-    points[3, 1] = 0.75
-    assert solids._Space(points, solids._integers(points)).side(a, b, c, d)[0] == 0
+    """Points a few ulps around the line through (12, 12) and (24, 24), all divided by 32."""
+    line = [[12.0, 12.0, 0.0], [24.0, 24.0, 0.0], [1.0, 2.0, 16.0]]
+    near = [[0.5 + i * 2.0**-53, 0.5 + j * 2.0**-53, 0.0] for i in range(16) for j in range(16)]
+    points = np.array(line + near) / 32.0
+    d = np.arange(3, len(points))
+    a, b, c = (np.full(len(d), k) for k in range(3))
+    found = solids._Space(points, solids._integers(points)).side(a, b, c, d)
+    exact = [
+        exact_determinant(
+            [[Fraction(p) - Fraction(q) for p, q in zip(row, point, strict=True)] for row in points[:3]]
+        )
+        for point in points[3:]
+    ]
+    assert found.tolist() == [(value > 0) - (value < 0) for value in exact]
+    assert set(found.tolist()) == {-1, 0, 1}
 
 
 # ---------------------------------------------------------------- inside
