@@ -12,11 +12,9 @@ import numpy as np
 
 from hsr.arrays import Array, Floats, Ints
 from hsr.exact.depths import depths_of
-from hsr.exact.filter import Candidates, candidates, round_tables, triangle_tables
-from hsr.exact.numbers import Frame, frame_of, samples
-from hsr.exact.planes import triangles_of
-from hsr.exact.quadrics import rounds_of
-from hsr.exact.ties import Problem, Verdicts, settle
+from hsr.exact.filter import Candidates, candidates, round_tables
+from hsr.exact.problem import problem_of
+from hsr.exact.ties import Verdicts, settle
 from hsr.viewing import View
 from hsr.visibility import BACKGROUND, Admissible
 
@@ -40,15 +38,6 @@ class Truth:
     uncertain: int
 
 
-def problem_of(view: View) -> tuple[Frame, Problem]:
-    """Set a view up in exact numbers."""
-    frame = frame_of(view)
-    triangles = triangles_of(view, frame)
-    tables = triangle_tables(triangles, frame.nearer, view.width, view.height)
-    rounds = rounds_of(view, frame, len(triangles))
-    return frame, Problem(triangles, tables, rounds, frame.nearer, *samples(view))
-
-
 def truth(view: View) -> Truth:
     """Decide every sample of a view exactly.
 
@@ -65,30 +54,29 @@ def truth(view: View) -> Truth:
     ViewError
         If the camera is singular, or its depth does not grow along its lines of sight.
     """
-    frame, problem = problem_of(view)
-    tables = round_tables(problem.rounds, frame.nearer)
-    found = candidates(problem.tables, tables, view.height, view.width)
+    problem = problem_of(view)
+    curved = round_tables(problem.rounds, problem.frame.nearer)
+    found = candidates(problem.tables, curved, view.height, view.width)
     owner, unsettled = settled_by_filter(found)
     verdicts = list(settle(problem, found, unsettled))
     for verdict in verdicts:
         owners = np.array([piece for piece, _ in verdict.answers], dtype=np.int32)
-        owner[verdict.sample] = owners[verdict.answer] if len(owners) else BACKGROUND
-    curved = [this.piece.face for this in problem.rounds]
-    face = np.concatenate([problem.triangles.face, np.array([*curved, BACKGROUND], dtype=np.int32)])[owner]
+        owner[verdict.sample] = owners[verdict.answer]
+    others = [*(this.piece.face for this in problem.rounds), BACKGROUND]
+    face = np.concatenate([problem.triangles.face, np.array(others, dtype=np.int32)])[owner]
     shape = (view.height, view.width)
-    depth = depths_of(frame, problem, owner)
+    depth = depths_of(problem, owner)
     return Truth(face.reshape(shape), depth.reshape(shape), admissible_of(verdicts), len(unsettled))
 
 
 def settled_by_filter(found: Candidates) -> tuple[Ints, Array]:
     """Return the piece (H W,) that owns each sample if certain, and the samples where it is not."""
     count = np.diff(found.start)
-    owner = np.full(len(count), BACKGROUND, dtype=np.int32)
     single = np.flatnonzero(count == 1)
+    single = single[found.sure[found.start[single]]]
+    owner = np.full(len(count), BACKGROUND, dtype=np.int32)
     owner[single] = found.piece[found.start[single]]
-    settled = count == 0
-    settled[single] = found.sure[found.start[single]]
-    return owner, np.flatnonzero(~settled)
+    return owner, np.flatnonzero((count > 0) & (owner == BACKGROUND))
 
 
 def admissible_of(verdicts: list[Verdicts]) -> Admissible:

@@ -74,7 +74,7 @@ class Triangles:
     def piece(self, triangle: int, halves: Iterable[int] = range(HALVES)) -> Piece:
         """Return a triangle, or the intersection of some of its half-planes, as a piece."""
         zeta = Surd(affine(self.zeta[triangle]), NOTHING, NOTHING, constant(self.det[triangle]))
-        extent = tuple(affine(half) for half in self.half[triangle, list(halves)] if half[:2].any())
+        extent = tuple(affine(half) for half in self.half[triangle, list(halves)] if bounds(half))
         return Piece(triangle, int(self.face[triangle]), self.plane(triangle), zeta, extent)
 
 
@@ -173,6 +173,11 @@ def _within(frame: Frame, zeta: Array, det: Array, cut: Bools) -> Array:
         which = cut[:, side]
         half[which, side] = on_planes(limit, zeta[which], det[which])
     return half
+
+
+def bounds(half: Array) -> Array:
+    """Tell of half-planes (..., 3) whether they leave anything out."""
+    return np.asarray((half[..., 0] != 0) | (half[..., 1] != 0) | (half[..., 2] < 0), dtype=np.bool_)
 
 
 def on_planes(form: Array, zeta: Array, det: Array) -> Array:
