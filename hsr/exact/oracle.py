@@ -6,6 +6,7 @@ proves what it can, integers and polynomials decide the rest.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +15,7 @@ from hsr.arrays import Array, Floats, Ints
 from hsr.exact.depths import depths_of
 from hsr.exact.filter import Candidates, candidates, round_tables
 from hsr.exact.problem import problem_of
-from hsr.exact.ties import Verdicts, settle
+from hsr.exact.ties import Verdicts, entries, firsts, settle
 from hsr.viewing import View
 from hsr.visibility import BACKGROUND, Admissible
 
@@ -79,20 +80,16 @@ def settled_by_filter(found: Candidates) -> tuple[Ints, Array]:
     return owner, np.flatnonzero((count > 0) & (owner == BACKGROUND))
 
 
-def admissible_of(verdicts: list[Verdicts]) -> Admissible:
+def admissible_of(verdicts: Iterable[Verdicts]) -> Admissible:
     """Collect the tied samples."""
-    samples_, lists = [np.zeros(0, np.int64)], [np.zeros((0, 2), np.int64)]
+    parts = [np.zeros((2, 0), np.int64)]
     for verdict in verdicts:
-        size = np.array([len(faces) for _, faces in verdict.answers], dtype=np.int64)
+        start = np.cumsum([0, *(len(faces) for _, faces in verdict.answers)])
         listed = np.array([face for _, faces in verdict.answers for face in sorted(faces)], dtype=np.int64)
-        tied = np.flatnonzero(size[verdict.answer] > 1)
-        count = size[verdict.answer[tied]]
-        begin = (np.cumsum(size) - size)[verdict.answer[tied]]
-        place = np.repeat(begin - (np.cumsum(count) - count), count) + np.arange(count.sum())
-        samples_.append(verdict.sample[tied])
-        lists.append(np.stack([np.repeat(verdict.sample[tied], count), listed[place]], axis=1))
-    entries = np.concatenate(lists)
-    entries = entries[np.argsort(entries[:, 0], kind="stable")]
-    sample = np.sort(np.concatenate(samples_))
-    start = np.searchsorted(entries[:, 0], np.append(sample, np.iinfo(np.int64).max))
-    return Admissible(sample, start, entries[:, 1].astype(np.int32))
+        tied = np.flatnonzero(np.diff(start)[verdict.answer] > 1)
+        entry, which = entries(start, verdict.answer[tied])
+        parts.append(np.stack([verdict.sample[tied][which], listed[entry]]))
+    sample, face = np.concatenate(parts, axis=1)
+    order = np.argsort(sample, kind="stable")
+    first = firsts(sample[order])
+    return Admissible(sample[order][first], np.append(first, len(face)), face[order].astype(np.int32))

@@ -75,7 +75,7 @@ class Triangles:
         """Return a triangle, or the intersection of some of its half-planes, as a piece."""
         zeta = Surd(affine(self.zeta[triangle]), NOTHING, NOTHING, constant(self.det[triangle]))
         extent = tuple(affine(half) for half in self.half[triangle, list(halves)] if bounds(half))
-        return Piece(triangle, int(self.face[triangle]), self.plane(triangle), zeta, extent)
+        return Piece(int(self.face[triangle]), self.plane(triangle), zeta, extent, number=triangle)
 
 
 def triangles_of(view: View, frame: Frame) -> Triangles:

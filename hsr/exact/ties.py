@@ -51,10 +51,8 @@ def settle(problem: Problem, found: Candidates, unsettled: Array) -> Iterator[Ve
     unsettled : (n,) int64
         The samples to decide, ascending.
     """
-    count = np.diff(found.start)[unsettled]
-    entry = np.repeat(found.start[unsettled] - (np.cumsum(count) - count), count) + np.arange(count.sum())
-    sample = np.repeat(unsettled, count)
-    piece, sure = found.piece[entry], found.sure[entry]
+    entry, which = entries(found.start, unsettled)
+    sample, piece, sure = unsettled[which], found.piece[entry], found.sure[entry]
     curved = np.zeros(len(found.start) - 1, dtype=np.bool_)
     curved[sample[piece >= len(problem.triangles)]] = True
     flat = ~curved[sample]
@@ -64,7 +62,16 @@ def settle(problem: Problem, found: Candidates, unsettled: Array) -> Iterator[Ve
         yield _settle_curved(problem, sample[~flat], piece[~flat], sure[~flat])
 
 
-def _firsts(sample: Array) -> Array:
+def entries(start: Array, rows: Array) -> tuple[Array, Array]:
+    """Return the entries of some rows of a list of lists, and which of these rows each is of."""
+    count = np.diff(start)[rows]
+    before = np.cumsum(count) - count
+    return np.repeat(start[rows] - before, count) + np.arange(count.sum()), np.repeat(
+        np.arange(len(rows)), count
+    )
+
+
+def firsts(sample: Array) -> Array:
     """Return where in a list ordered by sample each sample begins."""
     return np.flatnonzero(np.diff(sample, prepend=-1))
 
@@ -75,7 +82,7 @@ def _firsts(sample: Array) -> Array:
 def _settle_curved(problem: Problem, sample: Array, piece: Ints, sure: Bools) -> Verdicts:
     """Decide each sample by itself; but where all pieces coincide, one speaks for all with the same."""
     pieces = {number: problem.piece(number) for number in np.unique(piece).tolist()}
-    first = _firsts(sample)
+    first = firsts(sample)
     lists = zip(np.split(piece, first[1:]), np.split(sure, first[1:]), strict=True)
     known: dict[tuple[int, ...], int] = {}
     answers: list[Answer] = []
@@ -144,7 +151,7 @@ def _by_depth(problem: Problem, sample: Array, piece: Ints) -> tuple[Array, Arra
         wrong = wrong[np.diff(wrong, prepend=-2) > 1]
         order[wrong], order[wrong + 1] = order[wrong + 1], order[wrong]
     deeper = np.cumsum(np.concatenate([[0], step])[: len(order)])
-    first = _firsts(sample[order])
+    first = firsts(sample[order])
     return order, deeper - np.repeat(deeper[first], np.diff(first, append=len(order)))
 
 
@@ -190,14 +197,14 @@ def _compared(problem: Problem, sample: Array, one: Ints, other: Ints) -> Array:
 
 def _down_to_full(sample: Array, level: Array, full: Bools) -> Bools:
     """Keep what lies no deeper than the first triangle that covers a sample's neighbourhood."""
-    first = _firsts(sample)
+    first = firsts(sample)
     floor = np.minimum.reduceat(np.where(full, level, len(level)), first)
     return np.asarray(level <= np.repeat(floor, np.diff(first, append=len(sample))))
 
 
 def _by_situation(problem: Problem, sample: Array, code: Array) -> Iterator[Verdicts]:
     """Decide each situation once: the sequence of codes of a sample's candidates."""
-    first = _firsts(sample)
+    first = firsts(sample)
     count = np.diff(first, append=len(sample))
     for length in np.flatnonzero(np.bincount(count)):
         these = first[count == length]
