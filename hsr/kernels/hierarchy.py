@@ -27,9 +27,7 @@ STACK = 64
 """Room for the nodes that wait in a walk: 30 levels of code bits, and 31 halvings of equal codes."""
 
 
-NODE = np.dtype(
-    [("first", np.int32), ("count", np.int32), ("low", np.float64, 3), ("high", np.float64, 3)]
-)
+NODE = np.dtype([("first", np.int32), ("count", np.int32), ("low", np.float64, 3), ("high", np.float64, 3)])
 """One node of a hierarchy.
 
 first : of a leaf its first box, in the order of the leaves; of an inner node its first child, the

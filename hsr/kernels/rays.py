@@ -88,7 +88,8 @@ origin, direction : the ray of sample (x, y) in object space is ``origin @ (1, x
 margin : how far rounding may move that ray.
 low, high : the extent: the generic cube moved and scaled onto the object, in object space.
 
-The world comes last in the list: its frame is world space, the leaves under its root are objects.
+For ``HIERARCHY`` the world comes last in the list: its frame is world space, and the leaves under its
+root are objects.
 """
 
 TRIANGLE = np.dtype([("corner", np.int32, 3), ("face", np.int32)])
@@ -352,7 +353,7 @@ def nearest_in_list(
         Whether an object is skipped if the ray misses its extent.
     """
     best = Best(camera.farthest, NO_OWNER)
-    for k in range(len(objects) - 1):
+    for k in range(len(objects)):
         thing = objects[k]
         if extents and not meets_extent(x, y, thing, camera, work):
             continue
@@ -514,7 +515,7 @@ def cast(
     Parameters
     ----------
     camera : Camera
-    objects : (n + 1,) OBJECT
+    objects : (n,) OBJECT
     planes : (P, 4) float64
         Of all polyhedra: inside is ``n . p <= m`` for each row (n, m).
     vertices : (V, 3) float64
@@ -522,7 +523,7 @@ def cast(
     triangles : (T,) TRIANGLE
         Of all meshes, in the order of the leaves.
     nodes : (N,) NODE
-        Of the hierarchies of all meshes, and of that over the objects.
+        Of the hierarchies of all meshes, for ``HIERARCHY`` followed by that over the objects.
     way : int
         ``LIST``, ``EXTENTS`` or ``HIERARCHY``.
     face : (H, W) int32
@@ -545,9 +546,7 @@ def cast(
                 )
             else:
                 extents = way == EXTENTS
-                best = nearest_in_list(
-                    x, y, camera, objects, planes, vertices, triangles, extents, done
-                )
+                best = nearest_in_list(x, y, camera, objects, planes, vertices, triangles, extents, done)
             face[row, column], depth[row, column] = answer_of(best, camera.perspective)
 
 
