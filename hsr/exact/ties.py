@@ -65,10 +65,8 @@ def settle(problem: Problem, found: Candidates, unsettled: Array) -> Iterator[Ve
 def entries(start: Array, rows: Array) -> tuple[Array, Array]:
     """Return the entries of some rows of a list of lists, and which of these rows each is of."""
     count = np.diff(start)[rows]
-    before = np.cumsum(count) - count
-    return np.repeat(start[rows] - before, count) + np.arange(count.sum()), np.repeat(
-        np.arange(len(rows)), count
-    )
+    entry = np.repeat(start[rows] - (np.cumsum(count) - count), count) + np.arange(count.sum())
+    return entry, np.repeat(np.arange(len(rows)), count)
 
 
 def firsts(sample: Array) -> Array:
