@@ -135,11 +135,12 @@ def test_corners_behind_the_eye() -> None:
     eye = {
         "type": "perspective",
         "eye": [0.0, 1.0, 0.0],
-        "target": [0.0, 0.75, -1.0],
+        "target": [0.0, 1.0, -1.0],
         "near": 0.125,
-        "far": 8.0,
+        "far": 32.0,
     }
-    corners = [[0.0, 0.0, 9.0], [9.0, 0.0, -20.0], [-9.0, 0.0, -20.0]]
+    # Carelessly divided, the first corner would land in the middle of the image.
+    corners = [[0.0, 0.875, 1.0], [9.0, 0.0, -20.0], [-9.0, 0.0, -20.0]]
     ground = {"shape": "mesh", "vertices": corners, "faces": [[0, 1, 2]]}
     view_ = view(scene([ground], eye), (6, 6))
     answer = truth(view_)
