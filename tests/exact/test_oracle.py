@@ -139,8 +139,8 @@ def test_corners_behind_the_eye() -> None:
         "near": 0.125,
         "far": 32.0,
     }
-    # Carelessly divided, the first corner would land in the middle of the image.
-    corners = [[0.0, 0.875, 1.0], [9.0, 0.0, -20.0], [-9.0, 0.0, -20.0]]
+    # The first is behind the eye and above it; what is seen of the triangle runs downward all the same.
+    corners = [[0.0, 1.0625, 1.0], [9.0, -3.0, -20.0], [-9.0, -3.0, -20.0]]
     ground = {"shape": "mesh", "vertices": corners, "faces": [[0, 1, 2]]}
     view_ = view(scene([ground], eye), (6, 6))
     answer = truth(view_)
