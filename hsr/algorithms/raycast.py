@@ -130,7 +130,7 @@ def _polygons(shape: Shape) -> Polygons:
 
 def _hierarchy(low: Floats, high: Floats) -> tuple[Ints, Array]:
     """Build the hierarchy over boxes: their order in the leaves, and its nodes."""
-    room = np.empty(max(2 * len(low), 1), hierarchy.NODE)
+    room = np.empty(2 * len(low), hierarchy.NODE)
     order, used = hierarchy.build(low, high, room)
     return order, room[:used]
 

@@ -392,32 +392,27 @@ def reciprocal(number: float) -> float:
     return 1.0 / number if number != 0.0 else np.inf
 
 
-class Pending(NamedTuple):
-    """Nodes that wait in a walk, and the depths at which the ray enters them."""
-
-    node: Array
-    entry: Floats
+PENDING = np.dtype([("node", np.int64), ("entry", np.float64)])
+"""A node that waits in a walk, and the depth at which the ray enters it."""
 
 
 @jit
-def push(pending: Pending, waiting: int, nodes: Array, node: int, beam: Beam) -> int:
+def push(pending: Array, waiting: int, nodes: Array, node: int, beam: Beam) -> int:
     """Let a node wait if the beam meets it; return how many nodes wait now."""
     entry = box_entry(nodes[node], beam)
-    if entry == np.inf:
-        return waiting
-    pending.node[waiting], pending.entry[waiting] = node, entry
-    return waiting + 1
+    pending[waiting]["node"], pending[waiting]["entry"] = node, entry
+    return waiting + int(entry < np.inf)
 
 
 @jit
-def push_children(pending: Pending, waiting: int, nodes: Array, first: int, beam: Beam) -> int:
+def push_children(pending: Array, waiting: int, nodes: Array, first: int, beam: Beam) -> int:
     """Let two sister nodes wait, the one entered earlier on top; return how many nodes wait now."""
     one = push(pending, waiting, nodes, first, beam)
     two = push(pending, one, nodes, first + 1, beam)
-    if two == waiting + 2 and pending.entry[waiting] < pending.entry[waiting + 1]:
-        pending.node[waiting], pending.node[waiting + 1] = first + 1, first
-        entry = pending.entry[waiting]
-        pending.entry[waiting], pending.entry[waiting + 1] = pending.entry[waiting + 1], entry
+    if two == waiting + 2 and pending[waiting]["entry"] < pending[one]["entry"]:
+        earlier = pending[waiting]["entry"]
+        pending[waiting]["node"], pending[one]["node"] = first + 1, first
+        pending[waiting]["entry"], pending[one]["entry"] = pending[one]["entry"], earlier
     return two
 
 
@@ -431,15 +426,15 @@ def nearest_in_hierarchy(
     vertices: Floats,
     triangles: Array,
     nodes: Array,
-    rooms: tuple[Pending, Pending],
+    rooms: Array,
     work: Array | None,
 ) -> Best:
     """Find the nearest hit of the ray of sample (x, y) through the hierarchy over the objects.
 
     Parameters
     ----------
-    rooms : two Pending
-        For the walk over the objects and for the walk within one mesh.
+    rooms : (2, STACK) PENDING
+        Room for the walk over the objects and for the walk within one mesh.
     """
     pending, world = rooms[0], objects[len(objects) - 1]
     beam = beam_of(world, x, y, camera)
@@ -447,9 +442,9 @@ def nearest_in_hierarchy(
     waiting = push(pending, 0, nodes, world["root"], beam)
     while waiting > 0:
         waiting -= 1
-        node = nodes[pending.node[waiting]]
+        node = nodes[pending[waiting]["node"]]
         tally(work, NODES)
-        if nearness_of(pending.entry[waiting], camera.perspective) < best.nearness:
+        if nearness_of(pending[waiting]["entry"], camera.perspective) < best.nearness:
             continue
         if node["count"] == INNER:
             waiting = push_children(pending, waiting, nodes, node["first"], beam)
@@ -473,7 +468,7 @@ def nearest_in_mesh(
     triangles: Array,
     nodes: Array,
     best: Best,
-    pending: Pending,
+    pending: Array,
     work: Array | None,
 ) -> Best:
     """Return the better of ``best`` and the nearest hit of a mesh object, through its hierarchy."""
@@ -481,9 +476,9 @@ def nearest_in_mesh(
     waiting = push(pending, 0, nodes, thing["root"], beam)
     while waiting > 0:
         waiting -= 1
-        node = nodes[pending.node[waiting]]
+        node = nodes[pending[waiting]["node"]]
         tally(work, NODES)
-        if nearness_of(pending.entry[waiting], camera.perspective) < best.nearness:
+        if nearness_of(pending[waiting]["entry"], camera.perspective) < best.nearness:
             continue
         if node["count"] == INNER:
             waiting = push_children(pending, waiting, nodes, node["first"], beam)
@@ -534,7 +529,7 @@ def cast(
         Receives the work done for every row.
     """
     for row in prange(camera.height):
-        rooms = (room(), room())
+        rooms = np.empty((2, STACK), PENDING)
         done = None if work is None else work[row]
         y = row + 0.5 - 0.5 * camera.height
         for column in range(camera.width):
@@ -548,12 +543,6 @@ def cast(
                 extents = way == EXTENTS
                 best = nearest_in_list(x, y, camera, objects, planes, vertices, triangles, extents, done)
             face[row, column], depth[row, column] = answer_of(best, camera.perspective)
-
-
-@jit
-def room() -> Pending:
-    """Return room for the nodes that wait in one walk."""
-    return Pending(np.empty(STACK, np.int64), np.empty(STACK, np.float64))
 
 
 @jit

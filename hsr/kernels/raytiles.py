@@ -266,7 +266,6 @@ def cast_batch(
     """
     for share in prange(SHARES):
         done = None if work is None else work[share]
-        stack = np.empty(STACK, np.int64)
         for tile_row in range(share, len(tiles), SHARES):
             for place in range(len(members)):
                 member = members[place]
@@ -278,7 +277,7 @@ def cast_batch(
                         continue
                     if thing["kind"] == MESH:
                         cast_into_mesh(
-                            area, camera, thing, member, triangles, nodes, corners, reaches, tile, stack, done
+                            area, camera, thing, member, triangles, nodes, corners, reaches, tile, done
                         )
                     else:
                         cast_into_generic(area, camera, thing, planes, reach, tile, done)
@@ -322,11 +321,11 @@ def cast_into_mesh(
     corners: Floats,
     reaches: Array,
     tile: Any,
-    stack: Array,
     work: Array | None,
 ) -> None:
     """Walk a tile through the hierarchy of a mesh, the nearer child first."""
     to_node = member["to_node"]
+    stack = np.empty(STACK, np.int64)
     stack[0] = thing["root"]
     waiting = 1
     while waiting > 0:
