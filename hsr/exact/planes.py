@@ -204,9 +204,8 @@ def boxes(view: View, corners: Array, vertex: Ints, ahead: Bools) -> Ints:
     )
     whole = np.array([0, 0, view.height - 1, view.width - 1])
     box = np.where(np.all(ahead[vertex], axis=1)[:, None], box, whole)
-    return np.stack([*np.maximum(box[:, :2], 0).T, *np.minimum(box[:, 2:], whole[2:]).T], axis=1).astype(
-        np.int32
-    )
+    first, last = np.maximum(box[:, :2], 0), np.minimum(box[:, 2:], whole[2:])
+    return np.hstack([first, last]).astype(np.int32)
 
 
 def plane_name(form: Sequence[int]) -> tuple[int, ...]:
