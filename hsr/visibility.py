@@ -13,7 +13,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from hsr.arrays import Array, Floats, Ints
+from hsr.arrays import Array, Bools, Floats, Ints
 from hsr.errors import MapError
 
 BACKGROUND = -1
@@ -102,6 +102,25 @@ class VisibilityMap:
     def width(self) -> int:
         """Number of columns."""
         return int(self.face.shape[1])
+
+    def admits(self, face: Ints) -> Bools:
+        """Tell where another map shows an owner that this one does not contradict.
+
+        Parameters
+        ----------
+        face : (H, W) int32
+            The faces another method shows.
+
+        Returns
+        -------
+        (H, W) bool
+            Whether they are the owners here or, at a tie, others who may own it.
+        """
+        fine = (face == self.face).ravel()
+        if self.admissible is not None:
+            tied = np.repeat(self.admissible.sample, np.diff(self.admissible.start))
+            fine[tied[face.ravel()[tied] == self.admissible.face]] = True
+        return fine.reshape(face.shape)
 
     def name_of(self, face: int) -> str:
         """Return what a person calls a face: ``cube.top``, ``bunny#18211`` or ``background``."""

@@ -36,6 +36,7 @@ class SampleClass(IntEnum):
     EXTRA = 2
     WRONG_FACE = 3
     DEPTH_ONLY = 4
+    TIE = 5
 
     @property
     def label(self) -> str:
@@ -44,9 +45,9 @@ class SampleClass(IntEnum):
 
 
 OTHER_OWNER = (SampleClass.WRONG_FACE, SampleClass.MISSING, SampleClass.EXTRA)
-"""The classes that count as a difference; depth alone is reported, not judged."""
+"""The classes that count as a difference; depth alone and ties are reported, not judged."""
 
-DIFFERENT = tuple(kind.label for kind in (*OTHER_OWNER, SampleClass.DEPTH_ONLY))
+DIFFERENT = tuple(kind.label for kind in (*OTHER_OWNER, SampleClass.DEPTH_ONLY, SampleClass.TIE))
 """Names of all classes but *same*."""
 
 
@@ -186,8 +187,9 @@ class Difference:
         parts = [f"{counts[kind.label]} {kind.label}" for kind in OTHER_OWNER if counts[kind.label]]
         if parts:
             text += f" ({', '.join(parts)}), largest cluster {self.largest}, {self.near} off by one pixel"
-        depth_only = counts[SampleClass.DEPTH_ONLY.label]
-        return text + (f"; {depth_only} depth only" if depth_only else "")
+        for kind in (SampleClass.DEPTH_ONLY, SampleClass.TIE):
+            text += f"; {counts[kind.label]} {kind.label}" if counts[kind.label] else ""
+        return text
 
     def describe(self, cluster: Cluster) -> str:
         """Say in one line where a cluster is and which faces are concerned."""
@@ -245,6 +247,7 @@ def compare(a: VisibilityMap, b: VisibilityMap, truth: VisibilityMap | None = No
 
     Every sample falls into one class, the first that applies:
 
+    * *tie*: they show different owners, and b knows that either may own the sample;
     * *missing*: b shows a face and a the background;
     * *extra*: a shows a face and b the background;
     * *wrong face*: both show a face, and not the same;
@@ -280,7 +283,7 @@ def compare(a: VisibilityMap, b: VisibilityMap, truth: VisibilityMap | None = No
     if truth is not None:
         _check_comparable(a, truth)
     classes, depth = _classify(a, b)
-    differs = (classes != SampleClass.SAME) & (classes != SampleClass.DEPTH_ONLY)
+    differs = np.isin(classes, OTHER_OWNER)
     return Difference(
         a,
         b,
@@ -342,6 +345,7 @@ def _classify(a: VisibilityMap, b: VisibilityMap) -> tuple[Pixels, DepthError]:
     classes[~in_a & in_b] = SampleClass.MISSING
     classes[in_a & ~in_b] = SampleClass.EXTRA
     classes[in_a & in_b & (a.face != b.face)] = SampleClass.WRONG_FACE
+    classes[(classes != SampleClass.SAME) & b.admits(a.face)] = SampleClass.TIE
 
     agreed = np.flatnonzero(in_a & (a.face == b.face))
     depth_a, depth_b = a.depth.ravel()[agreed], b.depth.ravel()[agreed]

@@ -102,6 +102,8 @@ ABOUT = {
     SampleClass.WRONG_FACE: "Both show a face, and not the same one.",
     SampleClass.DEPTH_ONLY: "Both show the same face, at depths further apart than rounding explains. "
     "Not counted as a difference.",
+    SampleClass.TIE: "Another face than the reference's, but either may own the sample: it lies on an edge, "
+    "or surfaces coincide. Not counted as a difference.",
 }
 """What the classes of samples mean, for people."""
 

@@ -24,6 +24,7 @@ CLASS_COLOURS = {
     SampleClass.EXTRA: (230, 159, 0),
     SampleClass.WRONG_FACE: (204, 32, 38),
     SampleClass.DEPTH_ONLY: (150, 176, 168),
+    SampleClass.TIE: (204, 121, 167),
 }
 """sRGB of the classes, told apart by people who see no red or no green as well."""
 

@@ -15,9 +15,9 @@ from hypothesis.extra.numpy import arrays
 import hsr
 from hsr.difference.classes import SampleClass, depth_step
 from hsr.errors import MapError
-from hsr.visibility import VisibilityMap, depth_format
+from hsr.visibility import Admissible, VisibilityMap, depth_format
 
-SAME, MISSING, EXTRA, WRONG, DEPTH = SampleClass
+SAME, MISSING, EXTRA, WRONG, DEPTH, TIE = SampleClass
 
 
 def a_map(face: Any, depth: Any = 2.0, method: str = "a", **more: Any) -> VisibilityMap:
@@ -32,7 +32,7 @@ def test_each_class() -> None:
     found = hsr.compare(shown, reference)
     assert found.classes.tolist() == [[SAME, EXTRA, MISSING], [SAME, WRONG, DEPTH]]
     assert found.classes.dtype == np.uint8
-    assert found.counts == {"same": 2, "missing": 1, "extra": 1, "wrong face": 1, "depth only": 1}
+    assert found.counts == {"same": 2, "missing": 1, "extra": 1, "wrong face": 1, "depth only": 1, "tie": 0}
     assert found.total == 6 and found.different == 3 and not found.same
 
 
@@ -40,6 +40,18 @@ def test_depth_alone_is_no_difference() -> None:
     found = hsr.compare(a_map([[0]], 2.0), a_map([[0]], 3.0, method="b"))
     assert found.same and found.different == 0 and found.counts["depth only"] == 1
     assert found.summary() == "a vs b  1x1  0 differ; 1 depth only"
+
+
+def test_a_tie_is_no_difference_where_the_reference_knows_it() -> None:
+    tied = Admissible(np.array([1, 2]), np.array([0, 2, 4]), np.array([0, 1, -1, 1], dtype=np.int32))
+    reference = a_map([[0, 0, 1, 1]], method="exact", admissible=tied)
+    found = hsr.compare(a_map([[1, 1, -1, 1]]), reference)
+    assert found.classes.tolist() == [[WRONG, TIE, TIE, SAME]]
+    assert found.different == 1 and found.counts["tie"] == 2 and found.largest == 1
+    assert found.summary().endswith(
+        "; 2 tie\n  1 wrong face  row 0, column 0  shows unknown face 1, expected unknown face 0"
+    )
+    assert hsr.compare(a_map([[1, 0, 0, 1]]), reference).counts["wrong face"] == 2  # 0 may not own the third
 
 
 def test_empty_maps_are_the_same() -> None:
