@@ -277,7 +277,7 @@ def driver_name() -> str:
     """Return the renderer that stands for OpenGL here."""
     try:
         scene = hsr.load(SCENES / "cube.toml")
-        return str(hsr.render(scene, "opengl", size=(8, 8)).notes["renderer"])
+        return str(hsr.render(scene, "opengl", size=(8, 8)).notes["driver"])
     except UnavailableError as error:
         return f"not available ({error})"
 
