@@ -10,7 +10,6 @@ in normalised device coordinates (x right, y up, both from -1 to 1).
 from __future__ import annotations
 
 import hashlib
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -20,26 +19,14 @@ import numpy as np
 
 from hsr.arrays import Floats, Ints
 from hsr.errors import ViewError
+from hsr.scene.cameras import Projection, projection_of
 from hsr.scene.files import shape_of
-from hsr.scene.model import (
-    Camera,
-    Light,
-    MatrixCamera,
-    Object,
-    Orthographic,
-    Perspective,
-    Scatter,
-    Scene,
-    exact_determinant,
-)
-from hsr.scene.shapes import Polygons, Shape, tessellated
-from hsr.scene.transforms import compose
+from hsr.scene.model import Camera, Light, Scene, exact_determinant
+from hsr.scene.shapes import MAX_FACES, Polygons, Shape, tessellated
+from hsr.scene.transforms import copies
 
 MAX_SIDE = 16384
 """Largest image width and height: what OpenGL drivers take."""
-
-MAX_FACES = 2**31 - 2
-"""Face ids are int32, and OpenGL stores face + 1."""
 
 CULL = {"none": 0, "back": 1, "front": 2}
 """The numbers by which kernels know what an object culls."""
@@ -255,16 +242,12 @@ def view(scene: Scene, size: tuple[int, int] = (512, 512), camera: str | None = 
         If the size is out of range, the scene has no such camera, or too many faces.
     """
     width, height = _checked_size(size)
-    clip_from_world, depth_row, near, far = _projection(_camera_named(scene, camera), width / height)
-    mirrored = _mirrors(clip_from_world, depth_row)
+    projection = _projected(_camera_named(scene, camera), width / height)
     return View(
-        clip_from_world,
-        depth_row,
-        near,
-        far,
+        *projection,
         width,
         height,
-        tuple(_placements(scene, mirrored)),
+        tuple(_placements(scene, projection.mirrored)),
         scene.segments,
         scene.light,
         scene.background,
@@ -286,97 +269,11 @@ def _camera_named(scene: Scene, name: str | None) -> Camera:
     raise ViewError(f"no camera is named {name!r}; the scene has {names}")
 
 
-# ---------------------------------------------------------------- cameras
-
-Projection = tuple[Floats, Floats, float, float]
-"""clip_from_world, depth_row, near, far."""
-
-
-def _projection(camera: Camera, aspect: float) -> Projection:
-    if isinstance(camera, Perspective):
-        return _perspective(camera, aspect)
-    if isinstance(camera, Orthographic):
-        return _orthographic(camera, aspect)
-    return _from_matrix(camera)
-
-
-def _camera_from_world(camera: Perspective | Orthographic) -> Floats:
-    """Rows: right, up, backward; the camera looks along -z of its own frame."""
-    eye = np.array(camera.eye)
-    backward = _unit(eye - np.array(camera.target))
-    right = _unit(np.cross(np.array(camera.up), backward))
-    axes = np.stack([right, np.cross(backward, right), backward])
-    return np.block([[axes, -(axes @ eye)[:, None]], [np.zeros((1, 3)), np.ones((1, 1))]]) + 0.0
-
-
-def _unit(vector: Floats) -> Floats:
-    return vector / np.linalg.norm(vector)
-
-
-def half_tangents(camera: Perspective, aspect: float) -> tuple[float, float]:
-    """Return tan(fov / 2) along x and along y for an image of this width / height."""
-    tangent = math.tan(math.radians(camera.fov) / 2.0)
-    along_x = camera.fov_axis == "x" or (camera.fov_axis == "min" and aspect < 1.0)
-    return (tangent, tangent / aspect) if along_x else (tangent * aspect, tangent)
-
-
-def _perspective(camera: Perspective, aspect: float) -> Projection:
-    pose = _camera_from_world(camera)
-    tan_x, tan_y = half_tangents(camera, aspect)
-    near, far = camera.near, math.inf if camera.far is None else camera.far
-    depth_row = -pose[2]
-    ratio = near / far
-    z_scale, z_offset = (1.0 + ratio) / (1.0 - ratio), -2.0 * near / (1.0 - ratio)
-    z_row = z_scale * depth_row + [0.0, 0.0, 0.0, z_offset]
-    return np.stack([pose[0] / tan_x, pose[1] / tan_y, z_row, depth_row]), depth_row, near, far
-
-
-def _orthographic(camera: Orthographic, aspect: float) -> Projection:
-    pose = _camera_from_world(camera)
-    near, far = camera.near, camera.far
-    depth_row = -pose[2]
-    half = camera.height / 2.0
-    z_row = (2.0 * depth_row - [0.0, 0.0, 0.0, far + near]) / (far - near)
-    w_row = np.array([0.0, 0.0, 0.0, 1.0])
-    return np.stack([pose[0] / (half * aspect), pose[1] / half, z_row, w_row]), depth_row, near, far
-
-
-def _from_matrix(camera: MatrixCamera) -> Projection:
-    """Read depth, near and far off a clip matrix.
-
-    Under perspective, depth is w in units of length; for a parallel view it is counted from the
-    near plane along the z row.
-    """
-    clip = np.array(camera.matrix)
-    z_row, w_row = clip[2], clip[3]
-    if w_row[:3].any():
-        scale = float(np.linalg.norm(w_row[:3]))
-        depth_row = w_row / scale
-        # z = a depth + b, so z = -w at depth -b / (a + scale) and z = w at depth b / (scale - a).
-        a = float(z_row[:3] @ depth_row[:3])
-        b = float(z_row[3] - a * depth_row[3])
-        if np.abs(z_row[:3] - a * depth_row[:3]).max() > 1e-9 * np.abs(z_row[:3]).max():
-            raise ViewError(f"camera {camera.name!r}: oblique near planes are not supported")
-        near = -b / (a + scale)
-        far = b / (scale - a) if a > scale else math.inf
-        if not 0.0 < near < far:
-            raise ViewError(f"camera {camera.name!r}: near {near:g} and far {far:g}; needed 0 < near < far")
-        return clip, depth_row, near, far
-    if w_row[3] <= 0.0:
-        raise ViewError(f"camera {camera.name!r}: w of a parallel matrix must be positive")
-    scale = float(np.linalg.norm(z_row[:3]))
-    depth_row = (z_row + np.array([0.0, 0.0, 0.0, w_row[3]])) / scale
-    return clip, depth_row, 0.0, 2.0 * w_row[3] / scale
-
-
-def _mirrors(clip_from_world: Floats, depth_row: Floats) -> bool:
-    """Whether a figure that is counter-clockwise to the eye is clockwise on the screen.
-
-    Right, up and the direction of sight form a left-handed frame, so the determinant of the rows
-    x, y and depth is negative for a camera that does not mirror.
-    """
-    rows = [clip_from_world[0, :3], clip_from_world[1, :3], depth_row[:3]]
-    return exact_determinant(rows) > 0
+def _projected(camera: Camera, aspect: float) -> Projection:
+    try:
+        return projection_of(camera, aspect)
+    except ViewError as error:
+        raise ViewError(f"camera {camera.name!r}: {error}") from None
 
 
 # ---------------------------------------------------------------- objects
@@ -386,8 +283,7 @@ def _placements(scene: Scene, mirrored: bool) -> Iterable[Placement]:
     first = 0
     for thing in scene.object:
         shape = shape_of(thing, scene.folder)
-        own = compose(thing.transform)
-        for name, world_from_object in _copies(thing, own):
+        for name, world_from_object in copies(thing):
             if first + shape.faces > MAX_FACES:
                 raise ViewError(f"object {name!r}: more than {MAX_FACES} faces in the scene")
             flips = exact_determinant(world_from_object[:3, :3]) < 0
@@ -395,29 +291,6 @@ def _placements(scene: Scene, mirrored: bool) -> Iterable[Placement]:
                 name, shape, world_from_object, first, CULL[thing.cull], flips != mirrored, thing.colour
             )
             first += shape.faces
-
-
-def _copies(thing: Object, own: Floats) -> Iterable[tuple[str, Floats]]:
-    if thing.scatter is None:
-        yield thing.name, own
-        return
-    for k, placing in enumerate(_scattered(thing.scatter)):
-        yield f"{thing.name}.{k}", placing @ own
-
-
-def _scattered(scatter: Scatter) -> Floats:
-    """Random matrices (count, 4, 4): scale, turn about y, move on the ground."""
-    random = np.random.default_rng(scatter.seed)
-    scale = random.uniform(*scatter.scale, scatter.count)
-    angle = random.uniform(0.0, 2.0 * np.pi, scatter.count)
-    matrices = np.zeros((scatter.count, 4, 4))
-    matrices[:, 0, 0] = matrices[:, 2, 2] = scale * np.cos(angle)
-    matrices[:, 0, 2] = scale * np.sin(angle)
-    matrices[:, 2, 0] = -matrices[:, 0, 2]
-    matrices[:, 1, 1], matrices[:, 3, 3] = scale, 1.0
-    matrices[:, 0, 3] = random.uniform(*scatter.x, scatter.count)
-    matrices[:, 2, 3] = random.uniform(*scatter.z, scatter.count)
-    return matrices
 
 
 def _manifest_entry(placement: Placement) -> dict[str, Any]:

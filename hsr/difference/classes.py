@@ -83,7 +83,8 @@ class DepthError:
     Attributes
     ----------
     samples : int
-        Number of samples at which both maps show the same face; the other figures are 0 without any.
+        Number of samples at which both maps show the same face, at finite depths; the other figures
+        are 0 without any.
     max, mean, rms : float
         Of the absolute difference.
     where : tuple of 2 int or None
@@ -340,11 +341,12 @@ def _classify(a: VisibilityMap, b: VisibilityMap) -> tuple[Pixels, DepthError]:
 
     agreed = np.flatnonzero(in_a & (a.face == b.face))
     depth_a, depth_b = a.depth.ravel()[agreed], b.depth.ravel()[agreed]
-    with np.errstate(invalid="ignore"):  # a face at infinite depth is an error of the map, told below
+    with np.errstate(invalid="ignore"):  # a face at infinite depth: no number, so no gap
         gap = np.abs(depth_a - depth_b)
         allowed = (a.width + a.height) / 2.0 * (depth_step(a, depth_a) + depth_step(b, depth_b))
-    classes.ravel()[agreed[~(gap <= allowed)]] = SampleClass.DEPTH_ONLY
-    return classes, _depth_error(gap, agreed, a.width)
+    known = np.isfinite(gap)
+    classes.ravel()[agreed[~known | (gap > allowed)]] = SampleClass.DEPTH_ONLY
+    return classes, _depth_error(gap[known], agreed[known], a.width)
 
 
 def _depth_error(gap: Floats, samples: Array, width: int) -> DepthError:

@@ -9,7 +9,8 @@ owner for an edge two triangles share.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
 
 import moderngl
 import numpy as np
@@ -77,17 +78,20 @@ class Drawing:
 
     def _upload(self, gl: moderngl.Context, vertices: Array, corner: Ints) -> None:
         size = (self.view.width, self.view.height)
-        self._vertices = gl.buffer(vertices)
-        self._corner = gl.buffer(np.ascontiguousarray(corner))
+        vertex_buffer = gl.buffer(vertices)
+        corner_buffer = gl.buffer(np.ascontiguousarray(corner))
         self._array = gl.vertex_array(
-            self._context.program, [(self._vertices, "3f", "vertex")], index_buffer=self._corner
+            self._context.program, [(vertex_buffer, "3f", "vertex")], index_buffer=corner_buffer
         )
-        self._triangle = gl.texture(size, components=1, dtype="i4")
-        self._depth = gl.depth_texture(size)
+        triangle, depth = gl.texture(size, components=1, dtype="i4"), gl.depth_texture(size)
+        self._parts = (vertex_buffer, corner_buffer, self._array, triangle, depth)
         try:
-            self._frame = gl.framebuffer([self._triangle], self._depth)
+            self._frame = gl.framebuffer([triangle], depth)
         except moderngl.Error as error:
-            raise MethodError(f"opengl: the driver has no memory for {size[0]}x{size[1]} samples") from error
+            _release(self._parts)
+            raise MethodError(
+                f"opengl: the driver has no room for {size[0]}x{size[1]} samples; choose a smaller size"
+            ) from error
 
     def draw(self) -> None:
         """Clear, draw every triangle, and wait until all is drawn."""
@@ -131,8 +135,7 @@ class Drawing:
         """Give the memory back to OpenGL."""
         with self._context.gl as gl:
             gl.screen.use()  # a deleted frame must not stay bound
-            for part in (self._frame, self._depth, self._triangle, self._array, self._corner, self._vertices):
-                part.release()
+            _release((self._frame, *self._parts))
 
     def __enter__(self) -> Drawing:
         return self
@@ -178,6 +181,11 @@ def _as_float32(numbers: Floats) -> Array:
     if not np.isfinite(rounded).all():
         raise MethodError("opengl: the scene has coordinates beyond float32 (3.4e38); scale it down")
     return rounded
+
+
+def _release(parts: Iterable[Any]) -> None:
+    for part in parts:
+        part.release()
 
 
 def _runs(cull: Array) -> list[tuple[int, int, int]]:

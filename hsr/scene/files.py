@@ -1,31 +1,349 @@
-"""Scene files and mesh files."""
+"""Scene files (TOML, JSON) and mesh files (OBJ, PLY, STL, OFF, GLB, glTF)."""
 
 from __future__ import annotations
 
+import json
+import math
 import tomllib
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from functools import lru_cache
 from pathlib import Path
+from typing import Any, TypeVar, cast
 
-from hsr.scene.model import Mesh, Object, Scene
-from hsr.scene.shapes import Kind, Polygons, Shape, generic
 import numpy as np
+from pydantic import TypeAdapter, ValidationError
+
+from hsr.arrays import Floats
+from hsr.errors import SceneError, ViewError
+from hsr.scene.cameras import projection_of
+from hsr.scene.gltf import Document, unique
+from hsr.scene.meshes import Faces, mesh_shape, read_faces
+from hsr.scene.model import (
+    Ambient,
+    Camera,
+    Cube,
+    Cylinder,
+    Directional,
+    Mesh,
+    Object,
+    Perspective,
+    Polyhedron,
+    Scene,
+    Sphere,
+    Square,
+    Thing,
+)
+from hsr.scene.polyhedra import convexity_problems
+from hsr.scene.problems import lines_of, nearest
+from hsr.scene.shapes import MAX_FACES, Kind, Polygons, Shape, generic
+from hsr.scene.transforms import compose
+
+SCENES = (".toml", ".json")
+GLTF = (".glb", ".gltf")
+MESHES = (".obj", ".ply", ".stl", ".off", *GLTF)
+
+OBLIQUE = (0.48, 0.36, 0.8)
+"""Unit vector from the centre of a fitted view to its eye: from the right, above and in front."""
+
+MARGIN = 1.05
+"""How much farther away a fitted camera stands than it must."""
+
+FITTED_FOV = 40.0
+"""Narrower field of view of a fitted camera, in degrees."""
+
+Part = TypeVar("Part")
+
+OBJECT: TypeAdapter[Object] = TypeAdapter(Object)
+CAMERA: TypeAdapter[Camera] = TypeAdapter(Camera)
+
 
 def load(path: str | Path) -> Scene:
-    path = Path(path)
-    scene = Scene.model_validate(tomllib.loads(path.read_text()))
-    return scene.model_copy(update={"folder": path.parent})
+    """Read a scene file, or a mesh file as a scene of its own.
 
-_cache = {}
+    A mesh file gets a camera named ``fitted`` that has its whole bounding sphere in view, whatever the
+    shape of the image, and a default light. Of a GLB or glTF file every node with a mesh is an object,
+    and the file's own cameras come before the fitted one.
+
+    Parameters
+    ----------
+    path : str or Path
+        Its ending says what it is: .toml, .json; .obj, .ply, .stl, .off, .glb, .gltf.
+
+    Returns
+    -------
+    Scene
+
+    Raises
+    ------
+    SceneError
+        With one line for each problem of the file and of the meshes it names.
+    """
+    path = Path(path)
+    ending = path.suffix.lower()
+    if ending not in SCENES + MESHES:
+        raise SceneError(f"{path}: not a scene or mesh file; the endings are {' '.join(SCENES + MESHES)}")
+    with _prefixed(f"{path}: "):
+        _check_file(path)
+        if ending in SCENES:
+            scene = _read_scene(path)
+        else:
+            scene = _gltf_scene(path) if ending in GLTF else _mesh_scene(path)
+    return scene.located(path.parent)
+
 
 def shape_of(thing: Object, folder: Path) -> Shape:
-    if thing.shape in ("square", "cube", "sphere", "cylinder"):
-        return generic(Kind[thing.shape.upper()])
-    if thing.shape == "polyhedron":
-        return Shape(Kind.POLYHEDRON, "polyhedron", Polygons.of(np.array(thing.vertices), thing.faces), tuple(f"face {i}" for i in range(len(thing.faces))))
-    if thing.file is not None:
-        import trimesh
-        p = folder / thing.file
-        if p not in _cache:
-            m = trimesh.load(p, force="mesh", process=False)
-            _cache[p] = Shape(Kind.MESH, "mesh", Polygons.of_triangles(np.asarray(m.vertices), np.asarray(m.faces)))
-        return _cache[p]
-    return Shape(Kind.MESH, "mesh", Polygons.of_triangles(np.array(thing.vertices), np.array(thing.faces)))
+    """Return the shape of an object; objects with the same shape share one ``Shape``.
+
+    Parameters
+    ----------
+    thing : Object
+    folder : Path
+        Where mesh files with relative paths are. A file is read again when its size or its time of
+        modification has changed.
+
+    Raises
+    ------
+    SceneError
+        If a mesh file cannot be used or corners and faces do not make a convex polyhedron.
+    """
+    with _prefixed(f"object {thing.name!r}: "):
+        return _shape(thing, folder)
+
+
+@contextmanager
+def _prefixed(prefix: str) -> Iterator[None]:
+    """Put ``prefix`` before the problems that come out of the ``with`` block."""
+    try:
+        yield
+    except SceneError as error:
+        raise SceneError([prefix + problem for problem in error.problems]) from error.__cause__
+
+
+def _check_file(path: Path) -> None:
+    if path.is_dir():
+        raise SceneError("this is a folder; name a file in it")
+    if not path.exists():
+        siblings = [other.name for other in path.parent.iterdir()] if path.parent.is_dir() else []
+        raise SceneError(f"no such file; {nearest(path.name, siblings)}".rstrip("; "))
+
+
+# ---------------------------------------------------------------- scene files
+
+
+def _read_scene(path: Path) -> Scene:
+    """Read a TOML or JSON file and the meshes it names, and collect every problem of them all."""
+    tables = _parsed(path)
+    try:
+        scene = Scene.model_validate(tables)
+    except ValidationError as error:
+        problems = lines_of(error)
+        cameras, objects = _valid(CAMERA, tables, "camera"), _valid(OBJECT, tables, "object")
+        raise SceneError(
+            problems + _camera_problems(cameras) + _object_problems(objects, path.parent)
+        ) from None
+    problems = _camera_problems(enumerate(scene.camera))
+    problems += _object_problems(enumerate(scene.object), path.parent)
+    if problems:
+        raise SceneError(problems)
+    return scene
+
+
+def _parsed(path: Path) -> Any:
+    try:
+        # Some editors put a byte order mark before UTF-8.
+        text = path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise SceneError(f"not UTF-8 text (at byte {error.start}); save it as UTF-8") from None
+    except OSError as error:
+        raise SceneError(f"cannot be read: {error.strerror}") from None
+    name = path.suffix.lower().removeprefix(".").upper()
+    try:
+        return tomllib.loads(text) if name == "TOML" else json.loads(text, object_pairs_hook=_table)
+    except (ValueError, RecursionError) as error:
+        raise SceneError(f"not valid {name}: {error}") from None
+
+
+def _table(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
+    """Build a table of a JSON file; a key may not stand in it twice, as in TOML."""
+    table = dict(pairs)
+    if len(table) < len(pairs):
+        keys = [key for key, _ in pairs]
+        raise ValueError(
+            f"the key {next(key for key in keys if keys.count(key) > 1)!r} stands twice in a table"
+        )
+    return table
+
+
+def _valid(adapter: TypeAdapter[Part], tables: Any, kind: str) -> Iterator[tuple[int, Part]]:
+    """Yield the cameras or objects of a file that are right by themselves, with their indices."""
+    found = tables.get(kind) if isinstance(tables, dict) else None
+    for k, table in enumerate(found if isinstance(found, list) else []):
+        with suppress(ValidationError):
+            yield k, adapter.validate_python(table)
+
+
+def _camera_problems(cameras: Iterable[tuple[int, Camera]]) -> list[str]:
+    problems = []
+    for k, camera in cameras:
+        try:
+            projection_of(camera, aspect=1.0)
+        except ViewError as error:
+            problems.append(f"camera[{k}]: {error}")
+    return problems
+
+
+def _object_problems(objects: Iterable[tuple[int, Object]], folder: Path) -> list[str]:
+    """Make every shape and transform, and count the faces."""
+    problems: list[str] = []
+    faces = 0
+    for k, thing in objects:
+        with _collected(problems, f"object[{k}].transform: "):
+            compose(thing.transform)
+        with _collected(problems, f"object[{k}]."):
+            copies = thing.scatter.count if thing.scatter else 1
+            faces += _shape(thing, folder).faces * copies
+        if faces > MAX_FACES:
+            problems.append(f"object[{k}]: with it, the scene has {faces} faces; {MAX_FACES} are the most")
+            break
+    return problems
+
+
+@contextmanager
+def _collected(problems: list[str], prefix: str) -> Iterator[None]:
+    """Append the problems that come out of the ``with`` block, each behind ``prefix``."""
+    try:
+        yield
+    except SceneError as error:
+        problems += [prefix + problem for problem in error.problems]
+
+
+# ---------------------------------------------------------------- shapes
+
+UNPLACED = {key: field.default for key, field in Thing.model_fields.items()} | {"name": ""}
+"""What does not bear on the shape of an object."""
+
+
+def _shape(thing: Object, folder: Path) -> Shape:
+    """Return the shape of an object; a problem starts with the key it concerns."""
+    if not isinstance(thing, Mesh) or thing.file is None:
+        return _defined_shape(thing.model_copy(update=UNPLACED))
+    with _prefixed(f"file: {thing.file}: "):
+        path = folder / thing.file
+        _check_file(path)
+        return _mesh_of(path, thing.part, _version(path))
+
+
+@lru_cache(maxsize=128)
+def _defined_shape(thing: Object) -> Shape:
+    """Make a shape from what the scene file says of it."""
+    match thing:
+        case Square() | Cube() | Sphere() | Cylinder():
+            return generic(Kind[thing.shape.upper()])
+        case Polyhedron():
+            return _polyhedron(thing)
+        case Mesh():
+            with _prefixed("faces: "):
+                return mesh_shape(Faces.of_rows(thing.vertices, np.reshape(thing.faces or (), (-1, 3))))
+        case _:
+            from hsr.scene.generators import generate
+
+            return Shape(Kind.MESH, thing.shape, generate(thing))
+
+
+def _polyhedron(thing: Polyhedron) -> Shape:
+    vertices = np.array(thing.vertices)
+    problems = convexity_problems(vertices, thing.faces)
+    if problems:
+        raise SceneError(problems)
+    names = tuple(f"face {k}" for k in range(len(thing.faces)))
+    return Shape(Kind.POLYHEDRON, thing.shape, Polygons.of(vertices, thing.faces), names)
+
+
+Version = tuple[int, int]
+"""When a file was modified, in nanoseconds, and its size: other numbers, another file."""
+
+
+def _version(path: Path) -> Version:
+    found = path.stat()
+    return found.st_mtime_ns, found.st_size
+
+
+@lru_cache(maxsize=128)
+def _mesh_of(path: Path, part: str | None, version: Version) -> Shape:
+    """Read a mesh file, or one part of a glTF file."""
+    if path.suffix.lower() in GLTF:
+        return mesh_shape(_document(path, version).faces(part))
+    if path.suffix.lower() not in MESHES:
+        raise SceneError(f"not a mesh file; the endings are {' '.join(MESHES)}")
+    if part is not None:
+        raise SceneError("only GLB and glTF files have parts; leave out the key 'part'")
+    return mesh_shape(read_faces(path))
+
+
+@lru_cache(maxsize=4)
+def _document(path: Path, version: Version) -> Document:  # noqa: ARG001 - the version is part of the key
+    return Document(path)
+
+
+# ---------------------------------------------------------------- mesh files as scenes
+
+
+def _mesh_scene(path: Path) -> Scene:
+    thing = Mesh(name=path.stem[:80], shape="mesh", file=path.name)
+    return _scene_of([thing], [], path)
+
+
+def _gltf_scene(path: Path) -> Scene:
+    """Make an object of every node with a mesh, and a camera of every node with one."""
+    nodes = _document(path, _version(path)).nodes
+    things = [
+        Mesh(name=node.name, shape="mesh", file=path.name, part=node.part, transform=node.steps)
+        for node in nodes
+        if node.part is not None
+    ]
+    if not things:
+        raise SceneError("no node of its scene has a mesh with triangles")
+    return _scene_of(things, [node.camera for node in nodes if node.camera is not None], path)
+
+
+def _scene_of(things: Sequence[Mesh], cameras: Sequence[Camera], path: Path) -> Scene:
+    problems = _object_problems(enumerate(things), path.parent)
+    if problems:
+        raise SceneError([problem.partition(f"{path.name}: ")[2] for problem in problems])
+    lights = (Ambient(type="ambient"), Directional(type="directional", direction=(-0.4, -1.0, -0.6)))
+    name = unique([*(camera.name for camera in cameras), "fitted"])[-1]
+    return Scene(
+        title=path.name,
+        camera=(*cameras, _fitted_camera(name, things, path.parent)),
+        object=tuple(things),
+        light=lights,
+    )
+
+
+def _fitted_camera(name: str, things: Sequence[Mesh], folder: Path) -> Perspective:
+    """Look at the centre from so far that the bounding sphere is inside the narrower field of view."""
+    corners = np.concatenate([_world_corners(thing, folder) for thing in things])
+    centre = (corners.min(axis=0) + corners.max(axis=0)) / 2.0
+    radius = float(np.linalg.norm(corners - centre, axis=1).max()) or 1.0
+    distance = MARGIN * radius / math.sin(math.radians(FITTED_FOV / 2.0))
+    eye = centre + distance * np.array(OBLIQUE)
+    return Perspective.model_validate(
+        {
+            "type": "perspective",
+            "name": name,
+            "eye": eye.tolist(),
+            "target": centre.tolist(),
+            "fov": FITTED_FOV,
+            "fov_axis": "min",
+            "near": (distance - radius) / 2.0,
+        }
+    )
+
+
+def _world_corners(thing: Mesh, folder: Path) -> Floats:
+    """World positions of the vertices that faces use."""
+    polygons = cast(Polygons, _shape(thing, folder).polygons)
+    used = polygons.vertices[np.unique(polygons.corner)]
+    matrix = compose(thing.transform)
+    return used @ matrix[:3, :3].T + matrix[:3, 3]

@@ -8,6 +8,8 @@ degrees; lengths in scene units.
 from __future__ import annotations
 
 import math
+from collections import Counter
+from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -18,6 +20,8 @@ from pydantic import (
     ConfigDict,
     Field,
     PositiveFloat,
+    PrivateAttr,
+    WithJsonSchema,
     field_validator,
     model_validator,
 )
@@ -27,20 +31,42 @@ def _as_tuple(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
-def _as_scale(value: Any) -> Any:
+def _exactly(count: int, what: str = "numbers") -> BeforeValidator:
+    """Take a list of this length for a tuple."""
+
+    def check(value: Any) -> Any:
+        if isinstance(value, list | tuple) and len(value) != count:
+            raise ValueError(f"expected {count} {what}, got {len(value)}")
+        return _as_tuple(value)
+
+    return BeforeValidator(check)
+
+
+def _thrice(value: Any) -> Any:
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return (value, value, value) if is_number else _as_tuple(value)
+    return (value, value, value) if is_number else value
 
 
-Vector = Annotated[tuple[float, float, float], BeforeValidator(_as_tuple)]
-Scale = Annotated[tuple[float, float, float], BeforeValidator(_as_scale)]
-Row = Annotated[tuple[float, float, float, float], BeforeValidator(_as_tuple)]
-Matrix = Annotated[tuple[Row, Row, Row, Row], BeforeValidator(_as_tuple)]
+Vector = Annotated[tuple[float, float, float], _exactly(3)]
+Scale = Annotated[
+    Vector,
+    BeforeValidator(_thrice),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "number"},
+                {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3},
+            ]
+        }
+    ),
+]
+Row = Annotated[tuple[float, float, float, float], _exactly(4)]
+Matrix = Annotated[tuple[Row, Row, Row, Row], _exactly(4, "rows")]
 Channel = Annotated[float, Field(ge=0.0, le=1.0)]
-Colour = Annotated[tuple[Channel, Channel, Channel], BeforeValidator(_as_tuple)]
+Colour = Annotated[tuple[Channel, Channel, Channel], _exactly(3)]
 Loop = Annotated[tuple[int, ...], BeforeValidator(_as_tuple), Field(min_length=3)]
-Triangle = Annotated[tuple[int, int, int], BeforeValidator(_as_tuple)]
-Pair = Annotated[tuple[float, float], BeforeValidator(_as_tuple)]
+Triangle = Annotated[tuple[int, int, int], _exactly(3, "vertex indices")]
+Pair = Annotated[tuple[float, float], _exactly(2)]
 Name = Annotated[str, Field(min_length=1, max_length=80)]
 
 
@@ -63,15 +89,22 @@ class Placed(Description):
 
     @model_validator(mode="after")
     def _has_a_direction(self) -> Placed:
-        forward = [t - e for t, e in zip(self.target, self.eye, strict=True)]
-        side = _cross(forward, self.up)
-        # Compared with rounding of the products: u * |forward| * |up| a component, twice.
-        if math.hypot(*side) <= 2.0**-50 * math.hypot(*forward) * math.hypot(*self.up):
-            raise ValueError("eye and target must differ, and up must not point along the view axis")
+        if self.eye == self.target:
+            raise ValueError("eye and target must differ")
+        forward = _unit([t - e for t, e in zip(self.target, self.eye, strict=True)])
+        # Each unit vector is off by at most 2 u, each product and difference of the cross product
+        # adds u: less than 8 u in all, with u = 2^-53. NaN, from numbers that overflow, fails too.
+        if not math.hypot(*_cross(forward, _unit(self.up))) > 2.0**-50:
+            raise ValueError("up must not be zero nor point along the view axis")
         return self
 
 
-def _cross(a: Any, b: Any) -> tuple[float, float, float]:
+def _unit(a: Sequence[float]) -> list[float]:
+    length = math.hypot(*a)
+    return [x / length if length else 0.0 for x in a]
+
+
+def _cross(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float]:
     return (
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -135,7 +168,7 @@ Camera = Annotated[Perspective | Orthographic | MatrixCamera, Field(discriminato
 
 
 def exact_determinant(matrix: Any) -> Fraction:
-    """Determinant of a square matrix of floats, without rounding.
+    """Return the determinant of a square matrix of floats, without rounding.
 
     Parameters
     ----------
@@ -169,6 +202,8 @@ class Step(Description):
     last row 0 0 0 1).
     """
 
+    model_config = ConfigDict(json_schema_extra={"minProperties": 1, "maxProperties": 1})
+
     translate: Vector | None = None
     scale: Scale | None = None
     rotate_x: float | None = None
@@ -178,9 +213,14 @@ class Step(Description):
 
     @model_validator(mode="after")
     def _exactly_one_key(self) -> Step:
-        if len(self.model_fields_set) != 1:
+        if len(self.given) != 1:
             raise ValueError(f"a step has exactly one key of {', '.join(type(self).model_fields)}")
         return self
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """The one key and its value."""
+        return {key: value for key, value in self if value is not None}
 
     @field_validator("scale")
     @classmethod
@@ -262,7 +302,9 @@ def _check_indices(faces: Any, vertices: Any) -> None:
     for k, loop in enumerate(faces):
         for index in loop:
             if not 0 <= index < len(vertices):
-                raise ValueError(f"face {k} names vertex {index}; there are {len(vertices)}, numbered from 0")
+                raise ValueError(
+                    f"faces[{k}] names vertex {index}; there are {len(vertices)}, numbered from 0"
+                )
 
 
 class Polyhedron(Thing):
@@ -298,6 +340,8 @@ class Mesh(Thing):
         inline = self.vertices is not None and self.faces is not None
         if inline == (self.file is not None) or (self.vertices is None) != (self.faces is None):
             raise ValueError("a mesh has either file, or both vertices and faces")
+        if inline and self.part is not None:
+            raise ValueError("part names a part of a file; leave it out")
         if inline:
             _check_indices(self.faces, self.vertices)
         return self
@@ -415,13 +459,24 @@ class Scene(Description):
     camera: Annotated[tuple[Camera, ...], BeforeValidator(_as_tuple), Field(min_length=1)]
     object: Annotated[tuple[Object, ...], BeforeValidator(_as_tuple), Field(min_length=1)]
     light: Annotated[tuple[Light, ...], BeforeValidator(_as_tuple)] = ()
-    folder: Annotated[Path, Field(exclude=True)] = Path()
+    _folder: Path = PrivateAttr(default=Path())
 
-    @model_validator(mode="after")
-    def _names_are_unique(self) -> Scene:
-        for kind, parts in (("camera", self.camera), ("object", self.object)):
-            names = [part.name for part in parts]
-            twice = sorted({name for name in names if names.count(name) > 1})
-            if twice:
-                raise ValueError(f"two {kind}s are named {twice[0]!r}; names must differ")
-        return self
+    @property
+    def folder(self) -> Path:
+        """Where the mesh files are whose paths are relative: the folder of the scene file."""
+        return self._folder
+
+    def located(self, folder: Path) -> Scene:
+        """Return the same scene with its mesh files in ``folder``."""
+        scene = self.model_copy()
+        scene._folder = folder
+        return scene
+
+    @field_validator("camera", "object")
+    @classmethod
+    def _names_differ(cls, parts: tuple[Camera | Object, ...]) -> tuple[Camera | Object, ...]:
+        count = Counter(part.name for part in parts)
+        twice = [name for name in count if count[name] > 1]
+        if twice:
+            raise ValueError(f"names must differ; more than one is called {', '.join(map(repr, twice))}")
+        return parts

@@ -11,6 +11,9 @@ import numpy as np
 
 from hsr.arrays import Floats, Ints
 
+MAX_FACES = 2**31 - 2
+"""Face ids are int32, and OpenGL stores face + 1."""
+
 
 class Kind(IntEnum):
     """The generic shapes; kernels know them by these numbers."""
@@ -119,12 +122,16 @@ class Shape:
         The planar faces; None for a sphere or a cylinder, whose faces are curved.
     face_names : tuple of str
         Names of the faces of a generic shape; empty for meshes.
+    cut : int
+        Number of faces of a mesh file that had more than three corners and were cut into
+        triangles, each of which is a face of its own here.
     """
 
     kind: Kind
     label: str
     polygons: Polygons | None
     face_names: tuple[str, ...] = ()
+    cut: int = 0
 
     @property
     def curved(self) -> bool:
@@ -153,7 +160,7 @@ def generic(kind: Kind) -> Shape:
         return Shape(kind, "square", Polygons.of(corners, [(0, 1, 2, 3)]), ("square",))
     if kind == Kind.CUBE:
         bits = np.arange(8)[:, None] >> np.arange(3) & 1
-        corners = 2.0 * bits - 1.0
+        corners = (2 * bits - 1).astype(np.float64)
         return Shape(kind, "cube", Polygons.of(corners, CUBE_LOOPS), CUBE_FACES)
     if kind == Kind.SPHERE:
         return Shape(kind, "sphere", None, ("sphere",))
@@ -175,7 +182,7 @@ def tessellated(kind: Kind, segments: int) -> Shape:
 
 
 def _circle(segments: int) -> Floats:
-    """Unit circle as (segments, 2), counter-clockwise from +x."""
+    """Return the unit circle as (segments, 2), counter-clockwise from +x."""
     angle = 2.0 * np.pi * np.arange(segments) / segments
     return np.stack([np.cos(angle), np.sin(angle)], axis=1)
 

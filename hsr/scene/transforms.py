@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from flint import arb, arb_mat, ctx, fmpq
 
 from hsr.arrays import Floats
-from hsr.scene.model import Step
+from hsr.errors import SceneError
+from hsr.scene.model import Object, Scatter, Step, exact_determinant
 
 PRECISION = 256
 """Bits carried while composing; the result is rounded to the 53 of float64 once."""
@@ -28,6 +29,11 @@ def compose(steps: Sequence[Step]) -> Floats:
     (4, 4) float64
         ``world_from_object``: sines and cosines included, every entry is the float64 nearest to
         the true one. No steps give the identity.
+
+    Raises
+    ------
+    SceneError
+        If an entry leaves the range of float64 so that the matrix is infinite or singular.
     """
     if not steps:
         return np.eye(4)
@@ -36,14 +42,52 @@ def compose(steps: Sequence[Step]) -> Floats:
         product = _matrix_of(steps[0])
         for step in steps[1:]:
             product = _matrix_of(step) * product
-        return np.array([[float(product[i, j].mid()) for j in range(4)] for i in range(4)])
+        matrix = np.array([[float(product[i, j].mid()) for j in range(4)] for i in range(4)])
     finally:
         ctx.prec = before
+    if not np.isfinite(matrix).all() or exact_determinant(matrix[:3, :3]) == 0:
+        raise SceneError("the steps together over- or underflow float64; use less extreme numbers")
+    return matrix
+
+
+def copies(thing: Object) -> Iterator[tuple[str, Floats]]:
+    """Yield the name and ``world_from_object`` (4, 4) of every copy of an object.
+
+    An object that is not scattered is its own only copy; the k-th of several is called ``name.k``.
+
+    Raises
+    ------
+    SceneError
+        As :func:`compose`, with the name of the object.
+    """
+    try:
+        own = compose(thing.transform)
+    except SceneError as error:
+        raise SceneError(f"object {thing.name!r}: {error}") from None
+    if thing.scatter is None:
+        yield thing.name, own
+        return
+    for k, placing in enumerate(_scattered(thing.scatter)):
+        yield f"{thing.name}.{k}", placing @ own
+
+
+def _scattered(scatter: Scatter) -> Floats:
+    """Random matrices (count, 4, 4): scale, turn about y, move on the ground."""
+    random = np.random.default_rng(scatter.seed)
+    scale = random.uniform(*scatter.scale, scatter.count)
+    angle = random.uniform(0.0, 2.0 * np.pi, scatter.count)
+    matrices = np.zeros((scatter.count, 4, 4))
+    matrices[:, 0, 0] = matrices[:, 2, 2] = scale * np.cos(angle)
+    matrices[:, 0, 2] = scale * np.sin(angle)
+    matrices[:, 2, 0] = -matrices[:, 0, 2]
+    matrices[:, 1, 1], matrices[:, 3, 3] = scale, 1.0
+    matrices[:, 0, 3] = random.uniform(*scatter.x, scatter.count)
+    matrices[:, 2, 3] = random.uniform(*scatter.z, scatter.count)
+    return matrices
 
 
 def _matrix_of(step: Step) -> arb_mat:
-    (key,) = step.model_fields_set
-    value = getattr(step, key)
+    ((key, value),) = step.given.items()
     if key == "matrix":
         return arb_mat([list(row) for row in value])
     matrix = arb_mat(4, 4, [int(i == j) for i in range(4) for j in range(4)])

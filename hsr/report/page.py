@@ -1,0 +1,138 @@
+"""The report: one HTML file that shows what every method makes of every scene."""
+
+from __future__ import annotations
+
+import math
+import os
+import platform
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from importlib.metadata import version
+from importlib.resources import files
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+import hsr
+from hsr.difference.classes import DIFFERENT, SampleClass
+from hsr.difference.study import Study
+from hsr.errors import HsrError
+from hsr.report.pictures import CLASS_COLOURS, Album, gather
+
+LIBRARIES = ("numpy", "numba", "scipy", "moderngl")
+"""Whose versions a report names, besides Python's and our own."""
+
+
+def write_report(
+    studies: Sequence[Study], path: str | Path, title: str = "Which surface does the eye see?"
+) -> None:
+    """Write a report on several studies as one HTML file that needs no network.
+
+    The file is written beside its place and then renamed, so a report that was there stays whole
+    if anything fails.
+
+    Parameters
+    ----------
+    studies : sequence of Study
+        One a scene, each with one map at least.
+    path : str or Path
+    title : str
+        What the page is headed by.
+
+    Raises
+    ------
+    HsrError
+        If there is nothing to report, or the file cannot be written.
+    """
+    for found in studies:
+        if not found.maps:
+            raise HsrError(f"nothing to report on {found.name}: every method was skipped")
+    if not studies:
+        raise HsrError("nothing to report: no scenes")
+    page = _render(studies, title)
+    try:
+        _replace(Path(path), page)
+    except OSError as error:
+        raise HsrError(f"{path}: cannot write the report: {error.strerror}") from error
+
+
+def _replace(path: Path, text: str) -> None:
+    """Write a whole file or leave what is there."""
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        unfinished.write_text(text, encoding="utf-8")
+        unfinished.replace(path)
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+def _render(studies: Sequence[Study], title: str) -> str:
+    album = Album()
+    scenes = [gather(found, album) for found in studies]
+    here = files("hsr.report")
+    environment = Environment(
+        loader=PackageLoader("hsr.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"figures": _figures, "milliseconds": _milliseconds, "size": _size}
+    return environment.get_template("report.html").render(
+        title=title,
+        studies=studies,
+        methods=list(dict.fromkeys(name for found in studies for name in found.methods)),
+        classes=[(kind.label, CLASS_COLOURS[kind], ABOUT[kind]) for kind in CLASS_COLOURS],
+        different=DIFFERENT,
+        expected=_expected,
+        date=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        environment=_environment(studies),
+        lab={"pictures": album.uris, "scenes": scenes},
+        style=Markup(here.joinpath("templates", "report.css").read_text(encoding="utf-8")),
+        script=Markup(here.joinpath("viewer.js").read_text(encoding="utf-8")),
+    )
+
+
+ABOUT = {
+    SampleClass.MISSING: "The reference shows a face where the method shows the background.",
+    SampleClass.EXTRA: "The method shows a face where the reference shows the background.",
+    SampleClass.WRONG_FACE: "Both show a face, and not the same one.",
+    SampleClass.DEPTH_ONLY: "Both show the same face, at depths further apart than rounding explains. "
+    "Not counted as a difference.",
+}
+"""What the classes of samples mean, for people."""
+
+
+def _expected(study: Study, name: str) -> bool:
+    """Whether exactly one of a method and the reference puts polygons in place of curved shapes."""
+    return (name in study.tessellating) != (study.reference in study.tessellating)
+
+
+def _environment(studies: Sequence[Study]) -> dict[str, str]:
+    """Name what the figures were made with."""
+    made_with = {"hsr": hsr.__version__, "Python": platform.python_version()}
+    made_with |= {name: version(name) for name in LIBRARIES}
+    made_with["system"] = f"{platform.system()} {platform.machine()}, {os.cpu_count()} processors"
+    for found in studies:
+        for name, map in found.maps.items():
+            if "driver" in map.notes:
+                made_with[f"{name} draws with"] = str(map.notes["driver"])
+    return made_with
+
+
+# ---------------------------------------------------------------- numbers as people read them
+
+
+def _figures(value: float) -> str:
+    """Three significant figures; 0 stays 0."""
+    return "0" if value == 0.0 else f"{value:.3g}" if math.isfinite(value) else "∞"
+
+
+def _milliseconds(seconds: float) -> str:
+    milliseconds = 1e3 * seconds
+    return f"{milliseconds:,.0f}" if milliseconds >= 100.0 else f"{milliseconds:.3g}"
+
+
+def _size(study: Study) -> str:
+    return f"{study.view.width} × {study.view.height}"

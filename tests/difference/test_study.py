@@ -1,0 +1,132 @@
+"""Many methods on one view: what is run, what is skipped, who agrees."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hsr.algorithms import registry
+from hsr.algorithms.registry import Method
+from hsr.difference import study as module
+from hsr.difference.study import default_reference, study
+from hsr.errors import MethodError, UnavailableError, ViewError
+from hsr.viewing import View
+from hsr.visibility import VisibilityMap
+
+CUBE = [{"name": "box", "shape": "cube"}]
+
+
+def whole_face(shift: int) -> Any:
+    """Return a method that shows face 0 from column ``shift`` on."""
+
+    def render(view: View, _options: Any) -> VisibilityMap:
+        face = np.full((view.height, view.width), -1, dtype=np.int32)
+        face[:, shift:] = 0
+        return VisibilityMap(face, np.where(face < 0, np.inf, 2.0), "", {"columns": 1}, {"render": 0.5})
+
+    return render
+
+
+def refuse(error: Exception) -> Any:
+    def render(_view: View, _options: Any) -> VisibilityMap:
+        raise error
+
+    return render
+
+
+@dataclass(frozen=True)
+class Options:
+    """No options."""
+
+
+def install(monkeypatch: pytest.MonkeyPatch, name: str, render: Any) -> None:
+    monkeypatch.setitem(sys.modules, f"made_up_{name}", SimpleNamespace(Options=Options, render=render))
+
+
+@pytest.fixture
+def methods(monkeypatch: pytest.MonkeyPatch) -> dict[str, Method]:
+    """Four made-up methods and ``opengl``, in place of the real ones."""
+    renders = {
+        "left": whole_face(0),
+        "right": whole_face(2),
+        "opengl": whole_face(0),
+        "lame": refuse(MethodError("cannot handle parallel views")),
+        "absent": refuse(UnavailableError("needs a driver; install one")),
+    }
+    for name, render in renders.items():
+        install(monkeypatch, name, render)
+    made = {name: Method(name, "", f"made_up_{name}", curved=name == "right") for name in renders}
+    monkeypatch.setattr(registry, "methods", lambda: made)
+    return made
+
+
+@pytest.mark.usefixtures("methods")
+def test_every_method_is_judged_against_the_reference(make_scene: Any) -> None:
+    ran: list[str] = []
+    found = study(make_scene(CUBE), ["right", "lame", "absent"], "left", (6, 3), progress=ran.append)
+    assert ran == ["right", "lame", "absent", "left"] == list(found.methods)
+    assert list(found.maps) == ["right", "left"] and list(found.differences) == ["right"]
+    assert found.differences["right"].counts["missing"] == 6
+    assert found.agreement.tolist() == [[0, 6], [6, 0]]
+    assert found.skipped == {"lame": "cannot handle parallel views", "absent": "needs a driver; install one"}
+    assert found.missing == {"absent"}
+    assert found.reference == "left" and found.camera == "main"
+    assert found.maps["right"].face.shape == (3, 6)
+
+
+@pytest.mark.usefixtures("methods")
+def test_without_its_reference_a_study_compares_nothing(make_scene: Any) -> None:
+    found = study(make_scene(CUBE), ["left", "right"], "absent", (6, 3))
+    assert found.reference is None and found.differences == {} and "absent" in found.skipped
+    assert found.agreement.tolist() == [[0, 6], [6, 0]]
+
+
+@pytest.mark.usefixtures("methods")
+def test_tessellating_methods_are_named_where_it_matters(make_scene: Any) -> None:
+    ball = [{"name": "ball", "shape": "sphere"}]
+    assert study(make_scene(ball), ["left", "right"], "left", (4, 4)).tessellating == ("left",)
+    assert study(make_scene(CUBE), ["left", "right"], "left", (4, 4)).tessellating == ()
+
+
+def test_exhaustive_methods_sit_out_large_scenes(
+    make_scene: Any, methods: dict[str, Method], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    methods["left"] = replace(methods["left"], exhaustive=True)
+    monkeypatch.setattr(module, "PATIENCE", 6 * 4 * 4)
+    small, large = (study(make_scene(CUBE), ["left"], "right", (4, rows)) for rows in (4, 5))
+    assert "left" in small.maps and "tests each of 6 faces at each sample" in large.skipped["left"]
+    assert "left" in study(make_scene(CUBE), ["left"], "right", (4, 5), patient=True).maps
+
+
+@pytest.mark.usefixtures("methods")
+def test_names(make_scene: Any) -> None:
+    assert study(make_scene(CUBE), ["left"], "left", (4, 4), name="cube").name == "cube"
+    with pytest.raises(MethodError, match="no method is named 'lft'"):
+        study(make_scene(CUBE), ["lft"], "left")
+    with pytest.raises(MethodError, match="no method is named 'truth'"):
+        study(make_scene(CUBE), ["left"], "truth")
+    with pytest.raises(ViewError, match="no camera is named"):
+        study(make_scene(CUBE), ["left"], "left", camera="back")
+
+
+@pytest.mark.usefixtures("methods")
+def test_json_is_stable(make_scene: Any) -> None:
+    told = study(make_scene(CUBE), ["right", "absent"], "left", (6, 3), name="cube").to_json()
+    assert told["hsr"] == 1 and told["name"] == "cube" and told["reference"] == "left"
+    assert told["agreement"] == {"methods": ["right", "left"], "differing": [[0, 6], [6, 0]]}
+    assert told["methods"]["right"]["work"] == {"columns": 1}
+    assert json.loads(json.dumps(told)) == told
+
+
+@pytest.mark.usefixtures("methods")
+def test_default_reference_is_opengl_where_it_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert default_reference(["left"]) == "opengl"
+    install(monkeypatch, "opengl", refuse(UnavailableError("no driver")))
+    assert default_reference(["left", "right"]) == "left"
+    assert default_reference(["left", "zbuffer"]) == "zbuffer"
