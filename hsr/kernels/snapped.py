@@ -12,18 +12,26 @@ import numpy as np
 from hsr.arrays import Array, Bools, Floats, Ints
 from hsr.jit import jit
 
+Real = float | np.float32
+
 FLOAT64, FLOAT32, UNORM = 0, 1, 2
 """Arithmetic of the depth test: float64, float32, or float32 stored as an integer."""
 
 PLANES = 6
 """Clip planes, in the order in which they clip: x = w, x = -w, y = w, y = -w, near, far."""
 
+NEAR = 4
+"""The planes before this one are those of the guard band."""
+
+BELOW = (0, 2, 5)
+"""Planes whose inside is below them in x, y or z."""
+
 MOST_CORNERS = 3 + PLANES
 """A convex polygon gains at most one corner from each plane."""
 
 
 @jit
-def multiply_add(a: float, b: float, c: float) -> float:
+def multiply_add(a: Real, b: Real, c: Real) -> np.float32:
     """Return ``a b + c`` of three float32 numbers, rounded once to float32.
 
     The product has at most 48 bits, so float64 holds it exactly; only the sum is rounded. Rounding
@@ -66,7 +74,7 @@ def project(clip: Array, scale: Array, translate: Array, window: Array) -> None:
 
 
 @jit
-def outcodes(clip: Array, guard: float, codes: Ints) -> None:
+def outcodes(clip: Array, guard: np.float32, codes: Ints) -> None:
     """Find the clip planes outside of which each vertex lies, as bits in clipping order.
 
     Parameters
@@ -85,7 +93,7 @@ def outcodes(clip: Array, guard: float, codes: Ints) -> None:
 
 
 @jit
-def clip_triangles(clip: Array, made: Bools, codes: Ints, guard: float, corners: Ints) -> None:
+def clip_triangles(clip: Array, made: Bools, codes: Ints, guard: np.float32, corners: Ints) -> None:
     """Clip triangles to the view volume, one plane after the other.
 
     The algorithm of Sutherland & Hodgman ("Reentrant polygon clipping", Communications of the ACM,
@@ -116,7 +124,7 @@ def clip_triangles(clip: Array, made: Bools, codes: Ints, guard: float, corners:
 
 @jit
 def _clip_polygon(
-    clip: Array, made: Bools, corners: int, plane: int, guard: float, left: Array, left_made: Bools
+    clip: Array, made: Bools, corners: int, plane: int, guard: np.float32, left: Array, left_made: Bools
 ) -> int:
     """Clip a polygon against one plane; return the number of corners left."""
     count = 0
@@ -143,7 +151,7 @@ def _clip_polygon(
 
 
 @jit
-def _cut(inside: Array, d_inside: float, outside: Array, d_outside: float, corner: Array) -> None:
+def _cut(inside: Array, d_inside: np.float32, outside: Array, d_outside: np.float32, corner: Array) -> None:
     """Fill in where an edge meets the plane, reckoned from its end nearer to the plane."""
     if -d_outside < d_inside:
         t = d_outside / (d_outside - d_inside)
@@ -156,19 +164,12 @@ def _cut(inside: Array, d_inside: float, outside: Array, d_outside: float, corne
 
 
 @jit
-def _distance(corner: Array, plane: int, guard: float) -> float:
+def _distance(corner: Array, plane: int, guard: np.float32) -> np.float32:
     """Signed distance of a corner from a clip plane, positive inside."""
-    if plane == 0:
-        return guard * corner[3] - corner[0]
-    if plane == 1:
-        return corner[0] + guard * corner[3]
-    if plane == 2:
-        return guard * corner[3] - corner[1]
-    if plane == 3:
-        return corner[1] + guard * corner[3]
-    if plane == 4:
-        return corner[2] + corner[3]
-    return corner[3] - corner[2]
+    along = corner[plane // 2]
+    reach = corner[3] if plane >= NEAR else guard * corner[3]
+    distance: np.float32 = reach - along if plane in BELOW else reach + along
+    return distance
 
 
 # ---------------------------------------------------------------- samples
@@ -181,7 +182,7 @@ def draw(
     box: Ints,
     plane: Floats,
     arithmetic: int,
-    levels: float,
+    levels: np.float32,
     triangle: Ints,
     depth: Floats,
 ) -> None:
@@ -226,11 +227,12 @@ def _covers(edges: Array, closed: Bools, column: int, row: int) -> bool:
 
 
 @jit
-def _depth(plane: Floats, column: int, row: int, arithmetic: int, levels: float) -> float:
+def _depth(plane: Floats, column: int, row: int, arithmetic: int, levels: np.float32) -> np.float64:
+    depth: np.float64 = plane[0] + plane[1] * column + plane[2] * row
     if arithmetic == FLOAT64:
-        return plane[0] + plane[1] * column + plane[2] * row
+        return depth
     z = multiply_add(plane[2], row, multiply_add(plane[1], column, plane[0]))
     if arithmetic == FLOAT32:
         return np.float64(z)
-    clamped = min(max(z, np.float32(0.0)), np.float32(1.0))
+    clamped = np.minimum(np.maximum(z, np.float32(0.0)), np.float32(1.0))
     return np.float64(np.rint(clamped * levels))
