@@ -112,7 +112,8 @@ def clip_triangles(clip: Array, made: Bools, codes: Ints, guard: np.float32, cor
     corners : (n,) int32
         Filled with the number of corners; below 3 nothing is left.
     """
-    old_clip, old_made = np.empty_like(clip[0]), np.empty_like(made[0])
+    old_clip = np.empty((MOST_CORNERS, 4), dtype=np.float32)
+    old_made = np.empty(MOST_CORNERS, dtype=np.bool_)
     for i in range(len(clip)):
         count = 3
         for plane in range(PLANES):
