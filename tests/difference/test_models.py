@@ -87,13 +87,10 @@ def llvmpipe() -> Any:
     return context
 
 
-@pytest.mark.jit
-@pytest.mark.parametrize("seed", range(48))
-def test_the_last_model_is_what_the_driver_draws(seed: int, llvmpipe: Any) -> None:
+def assert_drawn_as_predicted(seen: View, context: Any) -> Prediction:
     from hsr.opengl.drawing import Drawing, depth_of_window
 
-    seen = random_view(seed)
-    with Drawing(llvmpipe, seen) as drawing:
+    with Drawing(context, seen) as drawing:
         drawing.draw()
         face, depth = drawing.read()
     model = predict(seen)
@@ -101,6 +98,25 @@ def test_the_last_model_is_what_the_driver_draws(seed: int, llvmpipe: Any) -> No
     drawn = face >= 0
     assert np.array_equal(depth_of_window(seen, model.window[drawn]), depth[drawn])
     assert (model.window[~drawn] == 1.0).all()
+    return model
+
+
+@pytest.mark.jit
+@pytest.mark.parametrize("seed", range(48))
+def test_the_last_model_is_what_the_driver_draws(seed: int, llvmpipe: Any) -> None:
+    assert_drawn_as_predicted(random_view(seed), llvmpipe)
+
+
+# Runs clockwise; snapped to multiples of 1/256, counter-clockwise along the samples of column 4.
+TURNED = [[0.5, -3.0, 0.0], [0.5 + 0.6 / 256, 3.0, 0.0], [0.5 + 0.4 / 256, 0.0, 0.0]]
+CROSSING = [[-9.0, -9.0, -1.0], [-8.0, -9.0, -1.0], [0.0, -3.9, -1.0]]
+
+
+@pytest.mark.parametrize(("count", "shown"), [(341, 0), (342, 3)])
+def test_a_batch_is_of_341_triangles(count: int, shown: int, llvmpipe: Any) -> None:
+    nothing = [[[0.0, 0.0, 0.0]] * 3] * (count - 2)
+    model = assert_drawn_as_predicted(parallel(CROSSING, *nothing, TURNED, cull="back"), llvmpipe)
+    assert np.count_nonzero(model.face == count - 1) == shown
 
 
 # ---------------------------------------------------------------- before anything but input rounds
@@ -234,10 +250,7 @@ def test_culling_by_the_side_a_triangle_shows(upto: Stage) -> None:
 
 
 def test_a_clipped_batch_is_culled_before_it_is_snapped_too() -> None:
-    # Runs clockwise; snapped to multiples of 1/256, counter-clockwise along the samples of column 4.
-    turned = [[0.5, -3.0, 0.0], [0.5 + 0.6 / 256, 3.0, 0.0], [0.5 + 0.4 / 256, 0.0, 0.0]]
-    crossing = [[-9.0, -9.0, -1.0], [-8.0, -9.0, -1.0], [0.0, -3.9, -1.0]]
     lower_half = [[4, 4], [5, 4], [6, 4]]
-    for others, batch, expected in (([], 341, lower_half), ([crossing], 1, lower_half), ([crossing], 2, [])):
-        seen = parallel(turned, *others, cull="back")
+    for others, batch, expected in (([], 341, lower_half), ([CROSSING], 1, lower_half), ([CROSSING], 2, [])):
+        seen = parallel(TURNED, *others, cull="back")
         assert np.argwhere(faces(seen, Stage.DEPTH_FORMAT, batch=batch) == 0).tolist() == expected
