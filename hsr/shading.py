@@ -173,8 +173,8 @@ def face_colours(face: Array) -> Pixels:
 
     Neighbouring faces mostly have ids that differ by little, or by the length of a mesh's row. Hue
     and brightness follow the additive recurrence of the plastic number in two dimensions: like the
-    golden angle in one, it keeps the first k multiples as far apart as k points can be. A golden
-    angle alone would paint ids 13 or 21 apart almost alike. The background is a neutral grey.
+    golden angle in one, it keeps any k multiples in a row about as far apart as k points can be. A
+    golden angle alone would paint ids 13 or 21 apart almost alike. The background is a neutral grey.
 
     Parameters
     ----------
@@ -186,8 +186,8 @@ def face_colours(face: Array) -> Pixels:
     (n, 3) uint8
         sRGB.
     """
-    hue = face / PLASTIC % 1.0
-    value = 0.55 + 0.4 * (face / PLASTIC**2 % 1.0)
+    hue = face / PLASTIC**2 % 1.0
+    value = 0.55 + 0.4 * (face / PLASTIC % 1.0)
     colours = _bytes(hsv_to_rgb(np.stack([hue, np.full_like(hue, 0.5), value], axis=-1)))
     return np.where((face == BACKGROUND)[:, None], np.uint8(NEUTRAL), colours)
 

@@ -192,10 +192,9 @@ class Difference:
     def describe(self, cluster: Cluster) -> str:
         """Say in one line where a cluster is and which faces are concerned."""
         row0, column0, row1, column1 = cluster.box
-        return (
-            f"{cluster.size} {cluster.kind.label}  rows {row0}..{row1 - 1} columns {column0}..{column1 - 1}"
-            f"  shows {self.a.name_of(cluster.shown)}, expected {self.b.name_of(cluster.expected)}"
-        )
+        where = f"{span('row', row0, row1)}, {span('column', column0, column1)}"
+        faces = f"shows {self.a.name_of(cluster.shown)}, expected {self.b.name_of(cluster.expected)}"
+        return f"{cluster.size} {cluster.kind.label}  {where}  {faces}"
 
     def to_json(self) -> dict[str, Any]:
         """Return all figures as JSON values; clusters up to the first 50."""
@@ -231,6 +230,11 @@ class Difference:
             "shown": self.a.name_of(cluster.shown),
             "expected": self.b.name_of(cluster.expected),
         }
+
+
+def span(what: str, start: int, stop: int) -> str:
+    """Name the rows or columns from ``start`` to before ``stop``: ``row 4``, ``rows 4..7``."""
+    return f"{what} {start}" if stop == start + 1 else f"{what}s {start}..{stop - 1}"
 
 
 # ---------------------------------------------------------------- comparing

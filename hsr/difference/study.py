@@ -104,7 +104,8 @@ def study(
     """Run methods on one view of a scene and compare their maps with that of the reference.
 
     A method that cannot run here, or cannot handle the view, is skipped with its reason. Every
-    method first draws a tiny picture of the scene, so that its times hold no compilation.
+    method first draws a tiny picture of the scene, so that its times hold no compilation; and each
+    prepares the view for itself, so that its times do not depend on who came before.
 
     Parameters
     ----------
@@ -193,7 +194,7 @@ def _run(method: Method, problem: View, patient: bool) -> VisibilityMap:
             f"name it to run it all the same"
         )
     method.render(replace(problem, width=WARM_UP, height=WARM_UP))
-    return method.render(problem)
+    return method.render(replace(problem))  # a fresh view: none profits from what another prepared
 
 
 def _differences(maps: dict[str, VisibilityMap], reference: str) -> dict[str, Difference]:

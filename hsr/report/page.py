@@ -10,18 +10,18 @@ from datetime import UTC, datetime
 from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-import hsr
 from hsr.difference.classes import DIFFERENT, SampleClass
 from hsr.difference.study import Study
 from hsr.errors import HsrError
 from hsr.report.pictures import CLASS_COLOURS, Album, gather
 
-LIBRARIES = ("numpy", "numba", "scipy", "moderngl")
-"""Whose versions a report names, besides Python's and our own."""
+PACKAGES = ("hsr-lab", "numpy", "numba", "scipy", "moderngl")
+"""Whose versions a report names, besides Python's."""
 
 
 def write_report(
@@ -78,14 +78,16 @@ def _render(studies: Sequence[Study], title: str) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"figures": _figures, "milliseconds": _milliseconds, "size": _size}
+    environment.filters |= {"figures": _figures, "milliseconds": _milliseconds, "note": _note, "size": _size}
     return environment.get_template("report.html").render(
         title=title,
         studies=studies,
         methods=list(dict.fromkeys(name for found in studies for name in found.methods)),
         classes=[(kind.label, CLASS_COLOURS[kind], ABOUT[kind]) for kind in CLASS_COLOURS],
         different=DIFFERENT,
+        extent=_extent,
         expected=_expected,
+        flat=any(_expected(found, name) for found in studies for name in found.differences),
         date=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         environment=_environment(studies),
         lab={"pictures": album.uris, "scenes": scenes},
@@ -111,17 +113,21 @@ def _expected(study: Study, name: str) -> bool:
 
 def _environment(studies: Sequence[Study]) -> dict[str, str]:
     """Name what the figures were made with."""
-    made_with = {"hsr": hsr.__version__, "Python": platform.python_version()}
-    made_with |= {name: version(name) for name in LIBRARIES}
+    made_with = {"Python": platform.python_version()} | {name: version(name) for name in PACKAGES}
     made_with["system"] = f"{platform.system()} {platform.machine()}, {os.cpu_count()} processors"
     for found in studies:
         for name, map in found.maps.items():
             if "driver" in map.notes:
-                made_with[f"{name} draws with"] = str(map.notes["driver"])
+                made_with[name] = str(map.notes["driver"])
     return made_with
 
 
 # ---------------------------------------------------------------- numbers as people read them
+
+
+def _extent(start: int, stop: int) -> str:
+    """Name the rows or columns from ``start`` to before ``stop``."""
+    return str(start) if stop == start + 1 else f"{start}–{stop - 1}"
 
 
 def _figures(value: float) -> str:
@@ -130,8 +136,19 @@ def _figures(value: float) -> str:
 
 
 def _milliseconds(seconds: float) -> str:
-    milliseconds = 1e3 * seconds
-    return f"{milliseconds:,.0f}" if milliseconds >= 100.0 else f"{milliseconds:.3g}"
+    """One decimal, so that points stand below each other."""
+    return f"{1e3 * seconds:,.1f}"
+
+
+def _note(note: Any) -> str:
+    """Return what a method noted about itself, a stored depth's format among it."""
+    if isinstance(note, bool):
+        return "yes" if note else "no"
+    if isinstance(note, dict):
+        return ", ".join(f"{name} {_note(value)}" for name, value in note.items() if value is not None)
+    if isinstance(note, float):
+        return _figures(note)
+    return f"{note:,}" if isinstance(note, int) else str(note)
 
 
 def _size(study: Study) -> str:

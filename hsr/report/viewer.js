@@ -93,6 +93,7 @@
       pane.choose.method.replaceChildren(...scene.methods.map(({ name }, k) => new Option(name, k)));
     }
     dialog.showModal();
+    dialog.focus(); // else the first button would have it
     show();
     fit();
   }

@@ -310,7 +310,7 @@ def _gltf_scene(path: Path) -> Scene:
 def _scene_of(things: Sequence[Mesh], cameras: Sequence[Camera], path: Path) -> Scene:
     problems = _object_problems(enumerate(things), path.parent)
     if problems:
-        raise SceneError([problem.partition(f"{path.name}: ")[2] for problem in problems])
+        raise SceneError([problem.partition(f"{path.name}: ")[2] or problem for problem in problems])
     lights = (Ambient(type="ambient"), Directional(type="directional", direction=(-0.4, -1.0, -0.6)))
     name = unique([*(camera.name for camera in cameras), "fitted"])[-1]
     return Scene(

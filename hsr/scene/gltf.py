@@ -24,6 +24,7 @@ from hsr.arrays import Floats
 from hsr.errors import SceneError
 from hsr.scene.meshes import Faces, joined, reading
 from hsr.scene.model import Camera, Orthographic, Perspective, Step
+from hsr.scene.problems import lines_of
 from hsr.scene.transforms import compose
 
 TRIANGLES, FAN, READ = 4, 6, (0, 1, 4, 5)
@@ -166,7 +167,7 @@ class Document:
             try:
                 steps = _steps(table) + above
             except ValidationError as error:
-                raise SceneError(f"node {k}: {error.errors()[0]['msg']}") from None
+                raise SceneError(f"node {k}: {lines_of(error)[0]}") from None
             yield k, steps
             yield from self._walk(table.get("children", []), steps, (*path, k))
 
@@ -194,7 +195,7 @@ class Document:
         try:
             return _camera(self._tree["cameras"][table["camera"]], name, steps)
         except ValidationError as error:
-            raise SceneError(f"camera {name!r}: {error.errors()[0]['msg']}") from None
+            raise SceneError(f"camera {name!r}: {lines_of(error)[0]}") from None
 
 
 def _camera(table: dict[str, Any], name: str, steps: tuple[Step, ...]) -> Camera:

@@ -64,7 +64,7 @@ def _face_problem(vertices: Floats, face: Sequence[int], delta: float) -> str:
     newell = np.cross(arms, np.roll(arms, -1, axis=0)).sum(axis=0)
     perimeter, area = np.linalg.norm(edges, axis=1).sum(), np.linalg.norm(newell) / 2.0
     if area <= delta * perimeter:
-        return "its corners lie on one line"
+        return "it has no area: its corners lie on one line, or it crosses itself"
 
     normal = newell / (2.0 * area)
     height = (vertices - mean) @ normal

@@ -35,12 +35,12 @@ EXPECTED = {
 
 
 def lines_of(error: ValidationError) -> list[str]:
-    """Turn a failed validation of a scene into one line a problem.
+    """Turn a failed validation into one line a problem.
 
     Parameters
     ----------
     error : ValidationError
-        Of ``Scene.model_validate``.
+        Of ``Scene.model_validate``, or of a part of a scene.
 
     Returns
     -------

@@ -28,7 +28,7 @@ def compose(steps: Sequence[Step]) -> Floats:
     -------
     (4, 4) float64
         ``world_from_object``: sines and cosines included, every entry is the float64 nearest to
-        the true one. No steps give the identity.
+        the true one; what ``PRECISION`` bits cannot tell from 0 is 0. No steps give the identity.
 
     Raises
     ------
@@ -42,12 +42,16 @@ def compose(steps: Sequence[Step]) -> Floats:
         product = _matrix_of(steps[0])
         for step in steps[1:]:
             product = _matrix_of(step) * product
-        matrix = np.array([[float(product[i, j].mid()) for j in range(4)] for i in range(4)])
+        matrix = np.array([[_rounded(product[i, j]) for j in range(4)] for i in range(4)])
     finally:
         ctx.prec = before
     if not np.isfinite(matrix).all() or exact_determinant(matrix[:3, :3]) == 0:
         raise SceneError("the steps together over- or underflow float64; use less extreme numbers")
     return matrix
+
+
+def _rounded(entry: arb) -> float:
+    return 0.0 if entry.contains(0) else float(entry.mid())
 
 
 def copies(thing: Object) -> Iterator[tuple[str, Floats]]:

@@ -140,8 +140,8 @@ def test_summary_names_faces() -> None:
     reference = a_map([[0, 4, 4, 4], [4, 4, 4, 4]], manifest=manifest, method="opengl")
     assert hsr.compare(shown, reference).summary().splitlines() == [
         "zbuffer vs opengl  4x2  3 differ (1 wrong face, 2 missing), largest cluster 2, 1 off by one pixel",
-        "  2 missing  rows 0..1 columns 2..3  shows background, expected box.front",
-        "  1 wrong face  rows 0..0 columns 0..0  shows box.front, expected box.top",
+        "  2 missing  rows 0..1, columns 2..3  shows background, expected box.front",
+        "  1 wrong face  row 0, column 0  shows box.front, expected box.top",
     ]
 
 

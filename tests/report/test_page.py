@@ -17,7 +17,7 @@ from PIL import Image
 
 from hsr.difference.study import Study
 from hsr.errors import HsrError
-from hsr.report.page import _figures, _milliseconds, write_report
+from hsr.report.page import _extent, _figures, _milliseconds, _note, write_report
 from hsr.report.pictures import Album, png
 
 VOID = {"meta", "br", "img", "link", "hr", "input"}
@@ -185,6 +185,19 @@ def test_figures(value: float, text: str) -> None:
     assert _figures(value) == text
 
 
-@pytest.mark.parametrize(("seconds", "text"), [(0.0, "0"), (0.0012345, "1.23"), (12.3456, "12,346")])
+@pytest.mark.parametrize(("seconds", "text"), [(0.0, "0.0"), (0.0012345, "1.2"), (12.3456, "12,345.6")])
 def test_milliseconds(seconds: float, text: str) -> None:
     assert _milliseconds(seconds) == text
+
+
+@pytest.mark.parametrize(
+    ("note", "text"),
+    [(True, "yes"), (12345, "12,345"), (2.0**-24, "5.96e-08"), ("osmesa", "osmesa")],
+)
+def test_notes(note: Any, text: str) -> None:
+    assert _note(note) == text
+    assert _note({"step": note, "far": None}) == f"step {text}"
+
+
+def test_extent() -> None:
+    assert (_extent(4, 5), _extent(4, 8)) == ("4", "4–7")

@@ -1,0 +1,167 @@
+"""From world space to the screen: the camera's frame, the divide, the viewport, and back to depths.
+
+Clip space here is the camera's own frame, its axes scaled to the view: a point is (x, y, d), x right,
+y up, d its depth along the view axis in scene units. With w = d under perspective and w = 1 for a
+parallel view, a point projects to ``(x / w, y / w)`` in normalised device coordinates, and the sides
+of the view are ``|x| = w`` and ``|y| = w``.
+
+On the screen, x runs right and y *down*, in pixels from the top left corner of the image, so that the
+sample of row r, column c is ``(c + 0.5, r + 0.5)``. The third coordinate is window depth z, 0 at the
+near plane and 1 at the far plane, the one depth that is affine on the screen:
+
+    perspective   z = (1 - near / d) / (1 - near / far)       parallel   z = (d - near) / (far - near)
+
+(Foley, van Dam, Feiner & Hughes, *Computer Graphics: Principles and Practice*, chapter 6: the canonical
+view volumes and the perspective transformation of depth.)
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from hsr.arrays import Array, Floats
+from hsr.jit import parallel_jit, prange
+
+
+def clip_rows(clip_from_world: Floats, depth_row: Floats) -> Floats:
+    """Return the matrix that carries world points (x, y, z, 1) to clip space (x, y, d).
+
+    Parameters
+    ----------
+    clip_from_world : (4, 4) float64
+        OpenGL's clip space; its row for z is not read.
+    depth_row : (4,) float64
+
+    Returns
+    -------
+    (3, 4) float64
+        The rows for x and y divided by what w is in units of d (perspective) or of 1 (parallel): by
+        exactly 1 for the cameras that are placed by an eye and a target.
+    """
+    w_row = clip_from_world[3]
+    if w_row[:3].any():
+        largest = np.abs(w_row[:3]).argmax()
+        scale = w_row[largest] / depth_row[largest]
+    else:
+        scale = w_row[3]
+    return np.stack([clip_from_world[0] / scale, clip_from_world[1] / scale, depth_row])
+
+
+def to_clip(vertices: Floats, rows: Floats) -> Floats:
+    """Carry world points (V, 3) to clip space (V, 3) by the matrix of :func:`clip_rows`."""
+    clip = np.empty_like(vertices)
+    _to_clip(vertices, rows, clip)
+    return clip
+
+
+@parallel_jit
+def _to_clip(vertices: Floats, rows: Floats, clip: Floats) -> None:
+    for i in prange(len(vertices)):
+        x, y, z = vertices[i, 0], vertices[i, 1], vertices[i, 2]
+        for k in range(3):
+            clip[i, k] = rows[k, 0] * x + rows[k, 1] * y + rows[k, 2] * z + rows[k, 3]
+
+
+def to_screen(
+    clip: Floats,
+    perspective: bool,
+    size: tuple[int, int],
+    depths: tuple[float, float],
+    real: type[np.floating[Any]] = np.float64,
+) -> Array:
+    """Divide by w, map to the viewport, and replace depth by window depth.
+
+    Parameters
+    ----------
+    clip : (V, 3) float64, clip space
+        What lies behind the eye gives nonsense: clip first.
+    perspective : bool
+    size : (width, height) in pixels
+    depths : (near, far)
+        In scene units; far may be infinite.
+    real : float64 or float32
+        To what the results, computed in float64, are rounded.
+
+    Returns
+    -------
+    (V, 3) real
+        x right, y down, in pixels; window depth z.
+    """
+    screen = np.empty(clip.shape, real)
+    if perspective:
+        _perspective_to_screen(clip, *size, *depths, screen)
+    else:
+        _parallel_to_screen(clip, *size, *depths, screen)
+    return screen
+
+
+@parallel_jit
+def _perspective_to_screen(
+    clip: Floats, width: int, height: int, near: float, far: float, screen: Array
+) -> None:
+    range_of_z = 1.0 - near / far
+    for i in prange(len(clip)):
+        x, y, d = clip[i, 0], clip[i, 1], clip[i, 2]
+        screen[i, 0] = (1.0 + x / d) * 0.5 * width
+        screen[i, 1] = (1.0 - y / d) * 0.5 * height
+        screen[i, 2] = (1.0 - near / d) / range_of_z
+
+
+@parallel_jit
+def _parallel_to_screen(
+    clip: Floats, width: int, height: int, near: float, far: float, screen: Array
+) -> None:
+    for i in prange(len(clip)):
+        x, y, d = clip[i, 0], clip[i, 1], clip[i, 2]
+        screen[i, 0] = (1.0 + x) * 0.5 * width
+        screen[i, 1] = (1.0 - y) * 0.5 * height
+        screen[i, 2] = (d - near) / (far - near)
+
+
+def to_depth(window: Array, perspective: bool, depths: tuple[float, float]) -> Floats:
+    """Carry window depths back to depths along the view axis.
+
+    Parameters
+    ----------
+    window : (H, W) float64 or float32
+        Window depth of each sample, ``+inf`` where there is none. Overwritten if float64.
+    perspective : bool
+    depths : (near, far)
+        In scene units; far may be infinite.
+
+    Returns
+    -------
+    (H, W) float64
+        Depths in scene units, ``+inf`` where there is none. Window depths that rounding has carried
+        out of [0, 1] are clamped to it, as OpenGL does; if far is infinite, to the greatest number
+        below 1, the farthest depth that can be told from infinity.
+    """
+    near, far = depths
+    depth = window if window.dtype == np.float64 else np.empty(window.shape)
+    last = 1.0 if far < np.inf else 1.0 - float(np.finfo(window.dtype).epsneg)
+    if perspective:
+        _to_perspective_depth(window, near, far, last, depth)
+    else:
+        _to_parallel_depth(window, near, far, depth)
+    return depth
+
+
+@parallel_jit
+def _to_perspective_depth(window: Array, near: float, far: float, last: float, depth: Floats) -> None:
+    range_of_z = 1.0 - near / far
+    for row in prange(window.shape[0]):
+        for column in range(window.shape[1]):
+            z = float(window[row, column])
+            seen = near / (1.0 - min(max(z, 0.0), last) * range_of_z)
+            depth[row, column] = seen if z < np.inf else np.inf
+
+
+@parallel_jit
+def _to_parallel_depth(window: Array, near: float, far: float, depth: Floats) -> None:
+    for row in prange(window.shape[0]):
+        for column in range(window.shape[1]):
+            z = float(window[row, column])
+            seen = near + min(max(z, 0.0), 1.0) * (far - near)
+            depth[row, column] = seen if z < np.inf else np.inf

@@ -1,0 +1,237 @@
+"""What is in a scene: objects, faces, bounds, cameras, and where culling would change nothing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache, partial
+from typing import Any, cast
+
+import numpy as np
+
+from hsr.arrays import Floats
+from hsr.errors import ViewError
+from hsr.scene.cameras import Projection, eye_of, projection_of
+from hsr.scene.files import shape_of
+from hsr.scene.model import Camera, Object, Scene
+from hsr.scene.shapes import Kind, Polygons, Shape
+from hsr.scene.solids import surface_problem, winding_number
+from hsr.scene.transforms import copies
+
+
+def describe(scene: Scene, size: tuple[int, int] = (512, 512)) -> dict[str, Any]:
+    """Describe a scene in JSON values.
+
+    Parameters
+    ----------
+    scene : Scene
+    size : (width, height)
+        Image size in pixels: the fields of view depend on its proportions.
+
+    Returns
+    -------
+    dict
+        ``title``, ``about``, ``size``, ``totals`` and ``bounds`` (``low``, ``high``: world corners of
+        the extent); ``cameras``, each with ``name``, ``type``, ``near``, ``far`` (None: infinite) and
+        ``fov_x``, ``fov_y`` in degrees, or ``width``, ``height`` in scene units for a parallel one;
+        ``objects``, each with ``name``, ``shape``, ``copies``, ``faces`` (of one copy), ``cull``,
+        ``bounds``, ``cut`` (faces of the file cut into triangles), and ``culling``: for each camera why
+        removing its back faces may change the picture, empty if it changes nothing.
+
+    Raises
+    ------
+    SceneError, ViewError
+        If a shape or a camera cannot be used.
+    """
+    projections = {camera.name: _projected(camera, size) for camera in scene.camera}
+    # Objects often share a shape, and its surface takes longest.
+    problem_of = cache(_surface_problem)
+    objects = [_object(thing, scene, projections, problem_of) for thing in scene.object]
+    return {
+        "hsr": 1,
+        "title": scene.title,
+        "about": scene.about,
+        "size": list(size),
+        "totals": {
+            "objects": len(objects),
+            "copies": sum(entry["copies"] for entry in objects),
+            "faces": sum(entry["copies"] * entry["faces"] for entry in objects),
+        },
+        "bounds": _joined([entry["bounds"] for entry in objects]),
+        "cameras": [_camera(camera, projections[camera.name]) for camera in scene.camera],
+        "objects": objects,
+    }
+
+
+def lines(found: dict[str, Any]) -> list[str]:
+    """Return what :func:`describe` found as lines for people."""
+    total = found["totals"]
+    text = [
+        found["title"] or "untitled scene",
+        f"{total['copies']} objects, {total['faces']} faces; from {_triple(found['bounds']['low'])} "
+        f"to {_triple(found['bounds']['high'])}",
+    ]
+    for camera in found["cameras"]:
+        far = "infinity" if camera["far"] is None else f"{camera['far']:g}"
+        sight = (
+            f"fov {camera['fov_x']:.2f} x {camera['fov_y']:.2f} degrees"
+            if "fov_x" in camera
+            else f"{camera['width']:g} x {camera['height']:g} units"
+        )
+        text.append(f"camera {camera['name']}: {camera['type']}, {sight}, near {camera['near']:g}, far {far}")
+    for entry in found["objects"]:
+        text += _object_lines(entry)
+    return text
+
+
+def schema() -> dict[str, Any]:
+    """Return the JSON Schema (draft 2020-12) of scene files, for editors."""
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **Scene.model_json_schema()}
+
+
+def _object_lines(entry: dict[str, Any]) -> Iterator[str]:
+    copies = f"{entry['copies']} x " if entry["copies"] > 1 else ""
+    cut = f", {entry['cut']} faces of its file cut into triangles" if entry["cut"] else ""
+    what = f"{copies}{entry['shape']}, {entry['faces']} faces, cull {entry['cull']}"
+    yield f"object {entry['name']}: {what}{cut}"
+    for why in dict.fromkeys(entry["culling"].values()):
+        cameras = [name for name, other in entry["culling"].items() if other == why]
+        seen_by = "" if len(cameras) == len(entry["culling"]) else f" seen by {', '.join(cameras)}"
+        verdict = f"may change the picture: {why}" if why else "changes nothing"
+        yield f"  culling its back faces{seen_by} {verdict}"
+
+
+def _triple(values: list[float]) -> str:
+    return "(" + ", ".join(f"{value:.6g}" for value in values) + ")"
+
+
+# ---------------------------------------------------------------- cameras
+
+
+def _projected(camera: Camera, size: tuple[int, int]) -> Projection:
+    try:
+        return projection_of(camera, size[0] / size[1])
+    except ViewError as error:
+        raise ViewError(f"camera {camera.name!r}: {error}") from None
+
+
+def _camera(camera: Camera, projection: Projection) -> dict[str, Any]:
+    far = projection.far if math.isfinite(projection.far) else None
+    entry = {"name": camera.name, "type": camera.type, "near": projection.near, "far": far}
+    if projection.perspective:
+        return entry | {"fov_x": _field_of_view(projection, 0), "fov_y": _field_of_view(projection, 1)}
+    w = projection.clip_from_world[3, 3]
+    across, up = (2.0 * w / math.hypot(*projection.clip_from_world[k, :3]) for k in (0, 1))
+    return entry | {"width": float(across), "height": float(up)}
+
+
+def _field_of_view(projection: Projection, axis: int) -> float:
+    """Return the angle in degrees between the lines of sight at -1 and at +1 along an axis of the image."""
+    rows = projection.clip_from_world[[0, 1, 3], :3]
+    ends = np.zeros((2, 3))
+    ends[:, axis], ends[:, 2] = (-1.0, 1.0), 1.0
+    first, last = np.linalg.solve(rows, ends.T).T
+    angle = math.atan2(float(np.linalg.norm(np.cross(first, last))), float(first @ last))
+    # Nine digits: what rounding in the matrix leaves of the angle that was asked for.
+    return round(math.degrees(angle), 9)
+
+
+# ---------------------------------------------------------------- objects
+
+
+def _object(
+    thing: Object,
+    scene: Scene,
+    projections: dict[str, Projection],
+    problem_of: Callable[[Shape], str],
+) -> dict[str, Any]:
+    shape = shape_of(thing, scene.folder)
+    matrices = [matrix for _, matrix in copies(thing)]
+    reach = _reach_of(shape)
+    return {
+        "name": thing.name,
+        "shape": thing.shape,
+        "copies": len(matrices),
+        "faces": shape.faces,
+        "cut": shape.cut,
+        "cull": thing.cull,
+        "bounds": _bounds(reach, matrices),
+        "culling": {
+            name: problem_of(shape) or _sight_problem(projection, shape, reach, matrices)
+            for name, projection in projections.items()
+        },
+    }
+
+
+def _surface_problem(shape: Shape) -> str:
+    """Say why a shape does not bound a solid; the generic solids do, and polyhedra have been checked."""
+    if shape.kind == Kind.SQUARE:
+        return "not closed: a square has no inside"
+    if shape.kind == Kind.MESH and shape.polygons is not None:
+        return surface_problem(shape.polygons)
+    return ""
+
+
+def _sight_problem(projection: Projection, shape: Shape, reach: Reach, matrices: Sequence[Floats]) -> str:
+    """Say why a camera would see back faces of a solid: from its inside, or where the near plane cuts it.
+
+    It is cut if it has points on both sides of the plane, wherever they are on the screen.
+    """
+    for k, matrix in enumerate(matrices):
+        low, high = reach(projection.depth_row @ matrix)
+        if low < projection.near < high:
+            which = f" (copy {k})" if len(matrices) > 1 else ""
+            inside = projection.perspective and _holds(
+                shape, np.linalg.solve(matrix, [*eye_of(projection), 1.0])
+            )
+            return f"the eye is inside it{which}" if inside else f"the near plane cuts it{which}"
+    return ""
+
+
+def _holds(shape: Shape, point: Floats) -> bool:
+    """Whether a point (x, y, z, 1) of object space is inside a solid."""
+    x, y, z, _ = point
+    if shape.kind == Kind.SPHERE:
+        return math.hypot(x, y, z) < 1.0
+    if shape.kind == Kind.CYLINDER:
+        return math.hypot(x, y) < 1.0 and 0.0 < z < 1.0
+    polygons = cast(Polygons, shape.polygons)
+    return winding_number(point[:3], polygons.vertices[polygons.triangle_vertex]) > 0.5
+
+
+Reach = Callable[[Floats], tuple[float, float]]
+"""From a row (4,) to the least and the greatest value of ``row @ (p, 1)`` over the points p of a shape."""
+
+
+def _reach_of(shape: Shape) -> Reach:
+    if shape.polygons is not None:
+        return partial(_polygon_reach, shape.polygons.vertices[np.unique(shape.polygons.corner)])
+    return _sphere_reach if shape.kind == Kind.SPHERE else _cylinder_reach
+
+
+def _polygon_reach(points: Floats, row: Floats) -> tuple[float, float]:
+    values = points @ row[:3] + row[3]
+    return float(values.min()), float(values.max())
+
+
+def _sphere_reach(row: Floats) -> tuple[float, float]:
+    radius = math.hypot(*row[:3])
+    return float(row[3] - radius), float(row[3] + radius)
+
+
+def _cylinder_reach(row: Floats) -> tuple[float, float]:
+    radius, base, cap = math.hypot(*row[:2]), float(row[3]), float(row[3] + row[2])
+    return min(base, cap) - radius, max(base, cap) + radius
+
+
+def _bounds(reach: Reach, matrices: Sequence[Floats]) -> dict[str, list[float]]:
+    """World corners of the box around all copies."""
+    found = np.array([[reach(row) for row in matrix[:3]] for matrix in matrices])
+    return {"low": found[:, :, 0].min(axis=0).tolist(), "high": found[:, :, 1].max(axis=0).tolist()}
+
+
+def _joined(bounds: list[dict[str, list[float]]]) -> dict[str, list[float]]:
+    return {
+        "low": np.min([box["low"] for box in bounds], axis=0).tolist(),
+        "high": np.max([box["high"] for box in bounds], axis=0).tolist(),
+    }

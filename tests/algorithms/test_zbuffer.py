@@ -1,0 +1,258 @@
+"""The depth buffer on whole views."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import numpy as np
+import pytest
+
+import hsr
+from hsr.errors import MethodError
+from hsr.visibility import VisibilityMap
+
+VARIANTS = ["zbuffer", "zbuffer-direct", "zbuffer-float32", "zbuffer-float32-direct"]
+EXACT = ["zbuffer", "zbuffer-direct"]
+
+ORTHOGRAPHIC = {"type": "orthographic", "eye": [0.0, 0.0, 5.0], "height": 4.0, "near": 0.0, "far": 20.0}
+
+
+def triangles(name: str, vertices: Any, faces: Any, **keys: Any) -> dict[str, Any]:
+    return {"name": name, "shape": "mesh", "vertices": vertices, "faces": faces, **keys}
+
+
+def square(name: str, z: float, half: float = 1.0, **keys: Any) -> dict[str, Any]:
+    steps = [{"scale": half}, {"translate": [0.0, 0.0, z]}]
+    return {"name": name, "shape": "square", "transform": steps, **keys}
+
+
+def random_soup(seed: int, count: int) -> dict[str, Any]:
+    rng = np.random.default_rng(seed)
+    middle = rng.uniform([-1.5, -1.5, -3], [1.5, 1.5, 1], (count, 1, 3))
+    vertices = (middle + rng.uniform(-1, 1, (count, 3, 3))).reshape(-1, 3).tolist()
+    return triangles("soup", vertices, np.arange(3 * count).reshape(-1, 3).tolist())
+
+
+def by_rays(view: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Nearest triangle of every sample, by solving for each sample's ray: shares nothing with scan lines."""
+    face, depth = np.full((view.height, view.width), -1), np.full((view.height, view.width), np.inf)
+    for row, column in itertools.product(range(view.height), range(view.width)):
+        x, y = (2 * column + 1) / view.width - 1, 1 - (2 * row + 1) / view.height
+        origin = view.rays.origin @ [1.0, x, y]
+        direction = view.rays.direction @ [1.0, x, y]
+        for k, (a, b, c) in enumerate(view.triangles):
+            u, v, t = np.linalg.solve(np.stack([b - a, c - a, -direction], axis=1), origin - a)
+            inside = u >= 0 and v >= 0 and u + v <= 1 and view.near <= t <= view.far
+            if inside and t < depth[row, column]:
+                face[row, column], depth[row, column] = view.triangle_face[k], t
+    return face, depth
+
+
+@pytest.mark.parametrize("camera", [{"fov": 60.0}, {"fov": 60.0, "near": 3.5, "far": 6.0}, ORTHOGRAPHIC])
+@pytest.mark.parametrize("method", EXACT)
+def test_agrees_with_rays(make_scene: Any, method: str, camera: dict[str, Any]) -> None:
+    view = hsr.view(make_scene([random_soup(1, 12)], **camera), (13, 11))
+    answer = hsr.render(view, method)
+    face, depth = by_rays(view)
+    assert np.array_equal(answer.face, face) and (face >= 0).any() and (face < 0).any()
+    assert answer.depth == pytest.approx(depth, rel=1e-9)
+
+
+@pytest.mark.parametrize("method", VARIANTS)
+def test_camera_among_the_triangles(make_scene: Any, method: str) -> None:
+    """Vertices behind the eye, on all sides, and far outside of the image."""
+    view = hsr.view(make_scene([random_soup(2, 20)], eye=[0.1, 0.2, -0.5], near=0.01, fov=100.0), (12, 10))
+    face, depth = by_rays(view)
+    answer = hsr.render(view, method)
+    assert np.array_equal(answer.face, face)
+    assert answer.depth == pytest.approx(depth, rel=1e-9 if method in EXACT else 1e-2)
+
+
+@pytest.mark.parametrize("method", VARIANTS)
+def test_ground_that_passes_under_the_eye(make_scene: Any, method: str) -> None:
+    """A huge square below: the lower half of the image is ground, the horizon free."""
+    ground = [[-1e7, -1.0, 1e7], [1e7, -1.0, 1e7], [1e7, -1.0, -1e7], [-1e7, -1.0, -1e7]]
+    scene = make_scene(
+        [triangles("ground", ground, [[0, 1, 2], [0, 2, 3]])], eye=[0.0, 0.0, 0.0], target=[0.0, 0.0, -1.0]
+    )
+    answer = hsr.render(scene, method, size=(9, 8))
+    assert (answer.face[:4] == -1).all() and (answer.face[4:] >= 0).all()
+    # Sample (r, c) sees y = -tan(22.5) (2 r + 1 - 8) / 8 at depth 1.
+    expected = 8 / (np.tan(np.radians(22.5)) * (2 * np.arange(4, 8) - 7))
+    relative = 1e-9 if method in EXACT else 1e-3
+    assert answer.depth[4:] == pytest.approx(np.broadcast_to(expected[:, None], (4, 9)), rel=relative)
+
+
+def test_near_and_far_planes_belong_to_the_view(make_scene: Any) -> None:
+    camera = {**ORTHOGRAPHIC, "near": 4.0, "far": 6.0}
+    for z, seen in [(1.0, True), (-1.0, True), (1.0 + 2**-20, False), (-1.0 - 2**-20, False)]:
+        answer = hsr.render(make_scene([square("wall", z, 8.0)], **camera), "zbuffer", size=(4, 4))
+        assert (answer.face >= 0).all() == (answer.face >= 0).any() == seen
+
+
+def test_near_opens_a_cube(make_scene: Any) -> None:
+    box = {"name": "box", "shape": "cube"}
+    scene = make_scene([box], eye=[0.0, 0.0, 5.0], near=4.5)
+    answer = hsr.render(scene, "zbuffer", size=(9, 9))
+    assert answer.name_of(int(answer.face[4, 4])) == "box.back"
+    assert answer.depth[4, 4] == pytest.approx(6.0)
+
+
+# ---------------------------------------------------------------- culling
+
+
+MIRROR = [{"scale": [-1.0, 1.0, 1.0]}]
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize(("cull", "name"), [("none", "front"), ("back", "front"), ("front", "back")])
+def test_culling_is_that_of_the_scene(make_scene: Any, cull: str, name: str, mirrored: bool) -> None:
+    box = {"name": "box", "shape": "cube", "cull": cull, "transform": MIRROR if mirrored else []}
+    for camera in ({"eye": [0.0, 0.0, 5.0]}, ORTHOGRAPHIC):
+        answer = hsr.render(make_scene([box], **camera), "zbuffer", size=(9, 9))
+        assert answer.name_of(int(answer.face[4, 4])) == f"box.{name}"
+
+
+def test_culling_a_closed_solid_changes_nothing(make_scene: Any) -> None:
+    turn = [{"rotate_x": 31.0}, {"rotate_y": 17.0}]
+    maps = [
+        hsr.render(
+            make_scene([{"name": "ball", "shape": "sphere", "cull": cull, "transform": turn}]), size=(40, 40)
+        )
+        for cull in ("none", "back")
+    ]
+    assert np.array_equal(maps[0].face, maps[1].face) and np.array_equal(maps[0].depth, maps[1].depth)
+
+
+# ---------------------------------------------------------------- order, equality, arithmetic
+
+
+def test_order_of_objects_does_not_matter(make_scene: Any) -> None:
+    names = ["a", "b", "c", "d"]
+    things = {
+        name: {
+            "name": name,
+            "shape": "cube",
+            "transform": [
+                {"rotate_y": 20.0 * k},
+                {"rotate_x": 35.0},
+                {"translate": [0.4 * k - 0.6, 0.0, -0.7 * k]},
+            ],
+        }
+        for k, name in enumerate(names)
+    }
+
+    def named(order: list[str]) -> list[list[str]]:
+        answer = hsr.render(make_scene([things[name] for name in order]), "zbuffer", size=(24, 24))
+        return [[answer.name_of(int(face)) for face in row] for row in answer.face]
+
+    assert named(names) == named(names[::-1]) == named(["c", "a", "d", "b"])
+
+
+@pytest.mark.parametrize("method", VARIANTS)
+def test_of_coinciding_faces_the_first_wins(make_scene: Any, method: str) -> None:
+    answer = hsr.render(make_scene([square("a", 0.0), square("b", 0.0)]), method, size=(16, 16))
+    assert set(np.unique(answer.face)) == {-1, 0}
+
+
+def test_a_polygon_is_its_triangles(make_scene: Any) -> None:
+    corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]]
+    turn = [{"rotate_x": 40.0}, {"rotate_z": 25.0}]
+    whole = {"name": "whole", "shape": "square", "transform": turn}
+    halves = triangles("halves", corners, [[0, 1, 2], [0, 2, 3]], transform=turn)
+    first, second = (hsr.render(make_scene([thing]), size=(33, 33)) for thing in (whole, halves))
+    assert np.array_equal(first.face >= 0, second.face >= 0)
+    seen = first.face >= 0
+    assert first.depth[seen] == pytest.approx(second.depth[seen], rel=1e-12)
+
+
+def test_steppings_agree_to_rounding(make_scene: Any) -> None:
+    view = hsr.view(make_scene([random_soup(4, 30)], fov=60.0), (60, 50))
+    maps = {name: hsr.render(view, name) for name in VARIANTS}
+    assert np.array_equal(maps["zbuffer"].face, maps["zbuffer-direct"].face)
+    seen = maps["zbuffer"].face >= 0
+    reference = maps["zbuffer-direct"].depth[seen]
+    assert maps["zbuffer"].depth[seen] == pytest.approx(reference, rel=1e-11)
+    for name in ("zbuffer-float32", "zbuffer-float32-direct"):
+        assert (maps[name].face != maps["zbuffer"].face).mean() < 0.01
+
+
+@pytest.mark.jit
+def test_threads_do_not_matter(make_scene: Any) -> None:
+    import numba
+
+    view = hsr.view(make_scene([{"name": "t", "shape": "torus-knot"}]), (200, 150))
+    before = numba.get_num_threads()
+    try:
+        maps: list[VisibilityMap] = []
+        for threads in range(1, before + 1):
+            numba.set_num_threads(threads)
+            maps.append(hsr.render(view, "zbuffer-float32"))
+    finally:
+        numba.set_num_threads(before)
+    assert all(np.array_equal(maps[0].depth, other.depth) for other in maps)
+    assert all(np.array_equal(maps[0].face, other.face) for other in maps)
+
+
+@pytest.mark.parametrize(("method", "step"), [("zbuffer", 2.0**-53), ("zbuffer-float32", 2.0**-24)])
+def test_depth_format_is_noted(make_scene: Any, method: str, step: float) -> None:
+    answer = hsr.render(make_scene([square("a", 0.0)], near=0.5), method, size=(4, 4))
+    noted = answer.notes["depth_format"]
+    assert (noted["stored"], noted["step"], noted["near"], noted["far"]) == ("window", step, 0.5, None)
+
+
+# ---------------------------------------------------------------- work and options
+
+
+def test_work_is_free_unless_asked_for(make_scene: Any) -> None:
+    view = hsr.view(make_scene([square("a", 0.0), square("b", 1.0)]), (16, 12))
+    assert hsr.render(view, "zbuffer").work == {"polygons": 2, "buffer_bytes": 16 * 12 * (8 + 4)}
+    assert hsr.render(view, "zbuffer-float32").work["buffer_bytes"] == 16 * 12 * (4 + 4)
+
+
+def test_work_when_counted(make_scene: Any) -> None:
+    """Two walls fill the image, the farther first; one is culled, one behind the eye, one edge-on."""
+    things = [
+        square("far", -1.0, 8.0),
+        square("near", 1.0, 8.0),
+        {**square("back", 0.0), "cull": "front"},
+        square("behind", 9.0),
+        {"name": "edge", "shape": "square", "transform": [{"rotate_y": 90.0}]},
+    ]
+    view = hsr.view(make_scene(things, eye=[0.0, 0.0, 5.0]), (8, 6))
+    counted, plain = hsr.render(view, count=True), hsr.render(view)
+    assert np.array_equal(counted.face, plain.face) and np.array_equal(counted.depth, plain.depth)
+    assert counted.work == {
+        "polygons": 5,
+        "buffer_bytes": 8 * 6 * 12,
+        "cut": 2,
+        "clipped_away": 1,
+        "missed": 1,
+        "edge_on": 0,
+        "culled": 1,
+        "set_up": 2,
+        "scan_lines": 12,
+        "spans": 12,
+        "fragments": 96,
+        "depth_passed": 96,
+        "depth_failed": 0,
+        "overdraw": 48,
+    }
+
+
+def test_the_order_of_objects_is_the_order_of_overdraw(make_scene: Any) -> None:
+    far, near = square("far", -1.0, 8.0), square("near", 1.0, 8.0)
+    overdraw = [
+        hsr.render(make_scene(list(pair)), count=True, size=(8, 6)).work["overdraw"]
+        for pair in ((far, near), (near, far))
+    ]
+    assert overdraw == [48, 0]
+
+
+@pytest.mark.parametrize(("option", "value"), [("stepping", "sideways"), ("arithmetic", "float16")])
+def test_refused_options_name_the_choices(option: str, value: str) -> None:
+    from hsr.algorithms.registry import method_named
+
+    with pytest.raises(MethodError, match=f"zbuffer has no {option} '{value}'; choose from "):
+        method_named("zbuffer").options(**{option: value})

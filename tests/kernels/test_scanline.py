@@ -1,0 +1,390 @@
+"""Scan conversion: who owns a sample, and at what depth."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from hsr.kernels import scanline
+from hsr.kernels.scanline import CULL_BACK, CULL_BOTH, CULL_FRONT, DIRECT, INCREMENTAL, PAINT
+
+Loop = Sequence[tuple[float, float]]
+MODES = [DIRECT, INCREMENTAL]
+REALS = [np.float64, np.float32]
+ULP = 2.0**-52
+
+
+def draw(
+    vertices: Sequence[Sequence[float]],
+    loops: Sequence[Sequence[int]],
+    size: tuple[int, int],
+    mode: int = INCREMENTAL,
+    real: type = np.float64,
+    cull: int | Sequence[int] = 0,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return z, owner and counts of polygons over vertices (x, y) or (x, y, z)."""
+    screen = np.zeros((len(vertices), 3), real)
+    given = np.array(vertices, float)
+    screen[:, : given.shape[1]] = given
+    corner = np.array([k for loop in loops for k in loop], np.int32)
+    start = np.cumsum([0, *map(len, loops)]).astype(np.int32)
+    face = np.arange(len(loops), dtype=np.int32)
+    slope, table = scanline.polygon_table(
+        screen, corner, start, face, np.full(len(loops), cull, np.int8), size
+    )
+    z, owner, counts = scanline.scan_convert(screen, corner, slope, table, size, mode, True)
+    assert counts is not None
+    return z, owner, counts
+
+
+def picture(owner: np.ndarray) -> list[str]:
+    return ["".join(".abcdefgh"[k + 1] for k in row) for row in owner]
+
+
+def covers(loop: Sequence[Sequence[float]], row: int, column: int) -> bool:
+    """Tell by exact half-planes, moved right and down by less than anything, who owns a sample."""
+    points = [(Fraction(float(p[0])), Fraction(float(p[1]))) for p in loop]
+    area = sum(
+        (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+        for (ax, ay), (bx, by), (cx, cy) in [(points[0], p, q) for p, q in itertools.pairwise(points[1:])]
+    )
+    if area == 0:
+        return False
+    x, y = Fraction(2 * column + 1, 2), Fraction(2 * row + 1, 2)
+    sign = 1 if area > 0 else -1
+    for (ax, ay), (bx, by) in zip(points, points[1:] + points[:1], strict=True):
+        dx, dy = (bx - ax) * sign, (by - ay) * sign
+        # The value, then its changes to the right and, far smaller, downward.
+        if (dx * (y - ay) - dy * (x - ax), -dy, dx) <= (0, 0, 0):
+            return False
+    return True
+
+
+# ---------------------------------------------------------------- who owns a sample
+
+
+@pytest.mark.parametrize("real", REALS)
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("flip", [False, True])
+def test_square_with_corners_on_pixel_centres(mode: int, real: type, flip: bool) -> None:
+    """Left and top edges are inside, right and bottom edges are not."""
+    loop = [0, 1, 2, 3]
+    corners = [(1.5, 1.5), (4.5, 1.5), (4.5, 3.5), (1.5, 3.5)]
+    _, owner, _ = draw(corners, [loop[::-1] if flip else loop], (6, 5), mode, real)
+    assert picture(owner) == ["......", ".aaa..", ".aaa..", "......", "......"]
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize(
+    ("loops", "expected"),
+    [
+        ([[0, 1, 2], [0, 2, 3]], ["aaaa", "baaa", "bbaa", "bbba"]),
+        ([[0, 1, 3], [1, 2, 3]], ["aaab", "aabb", "abbb", "bbbb"]),
+    ],
+)
+def test_diagonal_through_pixel_centres(mode: int, loops: list[list[int]], expected: list[str]) -> None:
+    """The triangle to whose left the diagonal lies owns its samples."""
+    corners = [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)]
+    _, owner, counts = draw(corners, loops, (4, 4), mode)
+    assert picture(owner) == expected
+    assert counts[scanline.FRAGMENTS] == 16
+
+
+@pytest.mark.parametrize("corners", [(1.5, 2.5), (1.5, 2.0), (1.0, 2.5), (1.25, 2.625)])
+@pytest.mark.parametrize("sides", [3, 4, 7, 12])
+def test_fan_around_a_point_covers_once(corners: tuple[float, float], sides: int) -> None:
+    angle = 2 * np.pi * np.arange(sides) / sides
+    rim = np.stack([corners[0] + 9 * np.cos(angle), corners[1] + 9 * np.sin(angle)], axis=1)
+    loops = [[0, 1 + k, 1 + (k + 1) % sides] for k in range(sides)]
+    _, owner, counts = draw([corners, *map(tuple, rim)], loops, (4, 4))
+    assert (owner >= 0).all() and counts[scanline.FRAGMENTS] == 16
+
+
+@pytest.mark.parametrize("real", REALS)
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("offset", [0.5, 0.25, 0.0, 1 / 3])
+def test_lattice_of_shared_edges_covers_once(mode: int, real: type, offset: float) -> None:
+    """A mesh of triangles with jittered inner vertices leaves no hole and no double owner."""
+    n, step = 8, 3.0
+    rng = np.random.default_rng(int(offset * 12))
+    grid = np.stack(np.meshgrid(np.arange(n) * step, np.arange(n) * step), axis=-1) + offset - 3.0
+    jitter = rng.integers(-4, 5, grid.shape) / (4 if offset != 1 / 3 else 3.7)
+    jitter[[0, -1]] = jitter[:, [0, -1]] = 0
+    vertices = (grid + jitter).reshape(-1, 2)
+    loops = []
+    for r in range(n - 1):
+        for c in range(n - 1):
+            a, b, d, e = r * n + c, r * n + c + 1, (r + 1) * n + c, (r + 1) * n + c + 1
+            loops += [[a, b, e], [a, e, d]] if rng.random() < 0.5 else [[a, b, d], [b, e, d]]
+    _, owner, counts = draw(vertices.tolist(), loops, (16, 16), mode, real)
+    assert (owner >= 0).all() and counts[scanline.FRAGMENTS] == 16 * 16
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("sides", [3, 4, 6])
+def test_coverage_is_that_of_exact_half_planes(mode: int, sides: int) -> None:
+    """Convex polygons on a grid of 1/4: many samples on edges, slopes that are not exact."""
+    rng = np.random.default_rng(sides)
+    for _ in range(25):
+        angle = np.sort(rng.uniform(0, 2 * np.pi, sides))
+        loop = np.stack([4 + 5 * np.cos(angle), 4 + 5 * np.sin(angle)], axis=1)
+        if sides == 3:
+            loop = np.round(loop * 4) / 4
+        _, owner, _ = draw(loop.tolist(), [list(range(sides))], (8, 8), mode)
+        exact = [[covers(loop.tolist(), r, c) for c in range(8)] for r in range(8)]
+        edges_hit = np.argwhere((owner >= 0) != np.array(exact))
+        for r, c in edges_hit:  # only where a sample lies on an edge that is walked with rounding
+            assert sides == 3 and on_edge(loop, r, c)
+
+
+def on_edge(loop: np.ndarray, row: int, column: int) -> bool:
+    x, y = Fraction(2 * int(column) + 1, 2), Fraction(2 * int(row) + 1, 2)
+    points = [(Fraction(a), Fraction(b)) for a, b in loop.tolist()]
+    pairs = zip(points, points[1:] + points[:1], strict=True)
+    return any((bx - ax) * (y - ay) == (by - ay) * (x - ax) for (ax, ay), (bx, by) in pairs)
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("slant", [0.0, 1e-12, -1e-12, 1e12])
+def test_vertical_and_horizontal_edges(mode: int, slant: float) -> None:
+    if abs(slant) < 1:  # near-vertical left side, moved by less than the sample's distance
+        corners = [(1.0, 0.0), (3.0, 0.0), (3.0, 3.0), (1.0 + slant, 3.0)]
+    else:  # near-horizontal top side
+        corners = [(1.0, 0.0), (3.0, 1 / slant), (3.0, 3.0), (1.0, 3.0)]
+    _, owner, _ = draw(corners, [[0, 1, 2, 3]], (4, 3), mode)
+    assert picture(owner) == [".aa.", ".aa.", ".aa."]
+
+
+@pytest.mark.parametrize(
+    "loop",
+    [
+        [(1, 1), (1, 1), (1, 1)],
+        [(0, 0), (2, 2), (4, 4)],
+        [(0, 1), (2, 1), (4, 1)],
+        [(0.6, 0.6), (1.4, 0.7), (1.0, 1.4)],
+        [(9, 9), (12, 9), (9, 12)],
+        [(-9, 0), (-1, 0), (-9, 4)],
+        [(math.nan, 0), (4, 0), (0, 4)],
+        [(math.inf, 0), (4, 0), (0, 4)],
+    ],
+    ids=["point", "diagonal", "flat", "between", "below", "left", "nan", "inf"],
+)
+@pytest.mark.filterwarnings("ignore:invalid value:RuntimeWarning")
+def test_degenerate_polygons_cover_nothing(loop: Loop) -> None:
+    _, owner, counts = draw(loop, [[0, 1, 2]], (4, 4))
+    assert (owner < 0).all() and not counts.any()
+
+
+def test_a_repeated_corner_changes_nothing() -> None:
+    corners = [(0.3, 0.2), (6.1, 1.3), (2.2, 6.4)]
+    _, plain, _ = draw(corners, [[0, 1, 2]], (7, 7))
+    _, owner, _ = draw(corners, [[0, 0, 1, 1, 2]], (7, 7))
+    assert np.array_equal(owner, plain) and (owner >= 0).any()
+
+
+@pytest.mark.parametrize("first", range(5))
+def test_the_first_corner_does_not_matter(first: int) -> None:
+    corners = [(1.2, 0.1), (6.3, 2.2), (5.9, 5.5), (2.0, 6.6), (0.2, 3.1)]
+    _, plain, _ = draw(corners, [[0, 1, 2, 3, 4]], (7, 7))
+    _, owner, _ = draw(corners, [[(first + k) % 5 for k in range(5)]], (7, 7))
+    assert np.array_equal(owner, plain)
+
+
+def test_polygon_far_larger_than_the_image() -> None:
+    corners = [(-3e4, -2e4), (4e4, -2e4), (0.0, 5e4)]
+    _, owner, _ = draw(corners, [[0, 1, 2]], (5, 3))
+    assert (owner == 0).all()
+
+
+def test_one_pixel() -> None:
+    _, owner, _ = draw([(0, 0), (1, 0), (0.5, 1)], [[0, 1, 2]], (1, 1))
+    assert owner.tolist() == [[0]]
+
+
+# ---------------------------------------------------------------- depth
+
+
+def plane(x: float, y: float) -> float:
+    """A plane whose values on multiples of 1/4 are exact."""
+    return 0.25 + x / 64 + y / 128
+
+
+@pytest.mark.parametrize("real", REALS)
+@pytest.mark.parametrize("mode", MODES)
+def test_prestep_to_pixel_centres(mode: int, real: type) -> None:
+    """Sides and top off the centres: without the presteps depth would differ from row to row."""
+    corners = [(0.25, 0.75), (7.0, 2.0), (1.75, 6.25)]
+    z, owner, _ = draw([(x, y, plane(x, y)) for x, y in corners], [[0, 1, 2]], (8, 8), mode, real)
+    rows, columns = np.nonzero(owner >= 0)
+    assert len(rows) > 12
+    bound = 8 * float(np.finfo(real).eps)
+    assert z[rows, columns] == pytest.approx(plane(columns + 0.5, rows + 0.5), abs=bound)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_slopes_are_the_plane_equation(turned: bool) -> None:
+    """-A/C and -B/C against fractions, of a triangle and of a polygon in its plane."""
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        xy = rng.integers(0, 64, (3, 2))
+        z = rng.integers(0, 64, 3)
+        (ax, ay), (bx, by), (cx, cy) = ((Fraction(int(x)), Fraction(int(y))) for x, y in xy)
+        area = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay)
+        if area == 0:
+            continue
+        dz1, dz2 = Fraction(int(z[1] - z[0])), Fraction(int(z[2] - z[0]))
+        z_x = (dz1 * (cy - ay) - dz2 * (by - ay)) / area
+        z_y = (dz2 * (bx - ax) - dz1 * (cx - ax)) / area
+        screen = np.column_stack([xy, z]).astype(float)[:: -1 if turned else 1].copy()
+        args = (np.arange(3, dtype=np.int32), np.array([0, 3], np.int32), np.zeros(1, np.int32))
+        slope, _ = scanline.polygon_table(screen, *args, np.zeros(1, np.int8), (64, 64))
+        assert slope[0] == pytest.approx([float(z_x), float(z_y)], rel=4 * ULP)
+
+
+def test_depth_down_a_side_and_along_a_line() -> None:
+    """Differences of neighbours are -A/C, and -(A/m + B)/C between the starts of two lines."""
+    corners = [(1.5, 0.5), (9.5, 0.5), (1.5, 8.5)]
+    z, _, _ = draw([(x, y, plane(x, y)) for x, y in corners], [[0, 1, 2]], (10, 9))
+    assert (np.diff(z[0, 1:9]) == 1 / 64).all()
+    assert (np.diff(z[:8, 1]) == 1 / 128).all()  # a vertical side: -B/C
+
+
+@pytest.mark.jit
+@pytest.mark.parametrize(("width", "drift"), [(64, 64), (1024, 1024), (4096, 4096)])
+def test_increments_in_float32_drift_with_the_length_of_the_span(width: int, drift: int) -> None:
+    """About half a step of a 24-bit buffer a sample; evaluated directly, a few steps at any length."""
+    corners = [(0.0, 0.0, 0.1), (float(width), 0.0, 0.9), (float(width), 4.0, 0.9), (0.0, 4.0, 0.1)]
+    exact = 0.1 + 0.8 * (np.arange(width) + 0.5) / width
+    step = 2.0**-24
+    error = {}
+    for mode in MODES:
+        z, _, _ = draw(corners, [[0, 1, 2, 3]], (width, 4), mode, np.float32)
+        error[mode] = np.abs(z - exact).max() / step
+    assert error[DIRECT] < 4
+    assert 0.1 * drift < error[INCREMENTAL] < drift
+    z, _, _ = draw(corners, [[0, 1, 2, 3]], (width, 4), INCREMENTAL, np.float64)
+    assert np.abs(z - exact).max() < width * 2.0**-52
+
+
+def random_triangles(rng: np.random.Generator, count: int, size: int) -> np.ndarray:
+    centre = rng.uniform(0, size, (count, 1, 2))
+    xy = centre + rng.uniform(-0.4 * size, 0.4 * size, (count, 3, 2))
+    return np.concatenate([xy, rng.uniform(0.1, 0.9, (count, 3, 1))], axis=2)
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("seed", range(3))
+def test_nearest_wins_against_brute_force(mode: int, seed: int) -> None:
+    """Every sample against every triangle in fractions."""
+    size, count = 10, 12
+    triangles = random_triangles(np.random.default_rng(seed), count, size)
+    loops = np.arange(3 * count).reshape(count, 3).tolist()
+    z, owner, _ = draw(triangles.reshape(-1, 3).tolist(), loops, (size, size), mode)
+    for row in range(size):
+        for column in range(size):
+            depths = {
+                k: exact_depth(triangle, row, column)
+                for k, triangle in enumerate(triangles.tolist())
+                if covers(triangle, row, column)
+            }
+            nearest = min(depths, key=lambda k: depths[k]) if depths else -1
+            assert owner[row, column] == nearest
+            assert z[row, column] == (
+                pytest.approx(float(depths[nearest]), rel=1e-11) if depths else math.inf
+            )
+
+
+def exact_depth(triangle: Sequence[Sequence[float]], row: int, column: int) -> Fraction:
+    (ax, ay, az), (bx, by, bz), (cx, cy, cz) = ([Fraction(v) for v in point] for point in triangle)
+    x, y = Fraction(2 * column + 1, 2), Fraction(2 * row + 1, 2)
+    area = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay)
+    u = ((x - ax) * (cy - ay) - (cx - ax) * (y - ay)) / area
+    v = ((bx - ax) * (y - ay) - (x - ax) * (by - ay)) / area
+    return az + u * (bz - az) + v * (cz - az)
+
+
+def test_of_equal_depths_the_lower_face_stays() -> None:
+    square = [(0, 0, 0.5), (4, 0, 0.5), (4, 4, 0.5), (0, 4, 0.5)]
+    _, owner, counts = draw(square, [[0, 1, 2, 3], [3, 2, 1, 0]], (4, 4))
+    assert (owner == 0).all()
+    assert counts[[scanline.FRAGMENTS, scanline.PASSED]].tolist() == [32, 16]
+
+
+def test_a_point_on_the_far_plane_is_seen() -> None:
+    square = [(0, 0, 1.0), (4, 0, 1.0), (4, 4, 1.0), (0, 4, 1.0)]
+    z, owner, _ = draw(square, [[0, 1, 2, 3]], (5, 4))
+    assert (owner[:, :4] == 0).all() and (z[:, :4] == 1.0).all()
+    assert (owner[:, 4] == -1).all() and (z[:, 4] == math.inf).all()
+
+
+def test_painting_takes_the_last() -> None:
+    near, far = [(0, 0, 0.1), (2, 0, 0.1), (0, 2, 0.1)], [(0, 0, 0.9), (2, 0, 0.9), (0, 2, 0.9)]
+    z, owner, counts = draw(near + far, [[0, 1, 2], [3, 4, 5]], (2, 2), PAINT)
+    assert picture(owner) == ["bb", "b."] or picture(owner) == ["b.", ".."]
+    assert (z[owner == 1] == pytest.approx(0.9)) and counts[scanline.PASSED] == 2 * (owner >= 0).sum()
+
+
+# ---------------------------------------------------------------- table, strips, counts
+
+
+@pytest.mark.parametrize(("cull", "shown"), [(0, "ab"), (CULL_BACK, "a"), (CULL_FRONT, "b"), (CULL_BOTH, "")])
+def test_culling(cull: int, shown: str) -> None:
+    """With y down, what the eye sees counter-clockwise has a negative area."""
+    corners = [(0, 0), (0, 1), (1, 1), (1, 0), (2, 0), (2, 1)]
+    front, back = [0, 1, 2, 3], [3, 4, 5, 2]
+    _, owner, _ = draw(corners, [front, back], (2, 1), cull=cull)
+    assert picture(owner)[0].replace(".", "") == shown
+
+
+def test_fates_of_polygons() -> None:
+    screen = np.array([[0, 0, 0], [0, 3, 0], [3, 3, 0], [3, 0, 0], [6, 6, 0], [0.1, 0.1, 0]], float)
+    loops = [[0, 1, 2], [2, 1, 0], [0, 2, 4], [0, 5, 5], []]
+    corner = np.array([k for loop in loops for k in loop], np.int32)
+    start = np.cumsum([0, *map(len, loops)]).astype(np.int32)
+    cull = np.full(5, CULL_BACK, np.int8)
+    _, table = scanline.polygon_table(screen, corner, start, np.arange(5, dtype=np.int32), cull, (8, 8))
+    fates = [scanline.DRAWN, scanline.CULLED, scanline.EDGE_ON, scanline.MISSED, scanline.CLIPPED]
+    assert table[:, scanline.FATE].tolist() == fates
+
+
+def test_strips_list_polygons_in_order() -> None:
+    rng = np.random.default_rng(1)
+    table = np.zeros((200, 8), np.int32)
+    table[:, scanline.FIRST_LINE] = rng.integers(0, 150, 200)
+    table[:, scanline.END_LINE] = table[:, scanline.FIRST_LINE] + rng.integers(1, 51, 200)
+    table[::7] = 0  # not drawn
+    polygon, strips = scanline.deal_to_strips(table, 200)
+    assert sorted(strips[:, 0].tolist()) == list(range(-(-200 // scanline.STRIP)))
+    for strip, begin, end in strips.tolist():
+        low, high = strip * scanline.STRIP, (strip + 1) * scanline.STRIP
+        crosses = (table[:, 0] < high) & (table[:, 1] > low) & (table[:, 0] < table[:, 1])
+        assert polygon[begin:end].tolist() == np.flatnonzero(crosses).tolist()
+
+
+@pytest.mark.parametrize("real", REALS)
+def test_strips_leave_no_trace(real: type) -> None:
+    """An edge over many strips is one walk: every line of it is the line above plus 1/m."""
+    height = 3 * scanline.STRIP + 5
+    corners = [(0.3, 0.1, 0.2), (11.7, 0.1, 0.8), (4.9, height - 0.3, 0.4)]
+    _, owner, _ = draw(corners, [[0, 1, 2]], (12, height), INCREMENTAL, real)
+    (x0, y0, _), (x2, y2, _) = (tuple(map(real, corners[k])) for k in (0, 2))
+    half = real(0.5)
+    m = (x2 - x0) / (y2 - y0)
+    x = x0 + (half - y0) * m
+    for row in range(height - 1):
+        columns = np.flatnonzero(owner[row] >= 0)
+        if len(columns):
+            assert columns[0] == math.ceil(x - half)
+        x += m
+
+
+def test_counts() -> None:
+    corners = [(0.0, 0.0), (4.0, 0.0), (0.0, 4.0), (9.0, 0.0), (9.3, 4.0), (9.2, 4.0)]
+    _, owner, counts = draw(corners, [[0, 1, 2], [3, 4, 5]], (9, 4))
+    # The first triangle: 4 scan lines with 3, 2, 1 and 0 samples; the second lies beside the image.
+    assert counts.tolist() == [4, 3, 6, 6] and (owner >= 0).sum() == 6
