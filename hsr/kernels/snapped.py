@@ -26,8 +26,9 @@ NEAR = 4
 BELOW = (0, 2, 5)
 """Planes whose inside is below them in x, y or z."""
 
-MOST_CORNERS = 3 + PLANES
-"""A convex polygon gains at most one corner from each plane."""
+MOST_CORNERS = 28
+"""A plane adds a corner to a convex polygon; where rounding has bent one, at most half as many again
+as it has: 3, 4, 6, 9, 13, 19, 28."""
 
 
 @jit
@@ -101,9 +102,9 @@ def clip_triangles(clip: Array, made: Bools, codes: Ints, guard: np.float32, cor
 
     Parameters
     ----------
-    clip : (n, 9, 4) float32
+    clip : (n, 28, 4) float32
         The corners, three of each triangle given; replaced by those of the polygon that is left.
-    made : (n, 9) bool
+    made : (n, 28) bool
         Which corners clipping made; given as False.
     codes : (n,) int32
         The planes to clip against, as bits.

@@ -254,3 +254,10 @@ def test_a_clipped_batch_is_culled_before_it_is_snapped_too() -> None:
     for others, batch, expected in (([], 341, lower_half), ([CROSSING], 1, lower_half), ([CROSSING], 2, [])):
         seen = parallel(TURNED, *others, cull="back")
         assert np.argwhere(faces(seen, Stage.DEPTH_FORMAT, batch=batch) == 0).tolist() == expected
+
+
+@pytest.mark.parametrize("upto", Stage)
+def test_nothing_is_seen_of_what_lies_behind_the_eye(upto: Stage) -> None:
+    camera = {"type": "perspective", "eye": [0.0, 0.0, 0.0], "target": [0.0, 0.0, -1.0]}
+    behind = np.array([[[-1.0, -1.0, 2.0], [1.0, -1.0, 2.0], [0.0, 1.0, 0.0]]])
+    assert (faces(scene_of([behind], camera, (8, 8), ["none"]), upto) == -1).all()
