@@ -61,7 +61,8 @@ def _outcodes(clip: Floats, planes: Floats, codes: Array) -> None:
 
 @jit
 def _distance(point: Floats, plane: Floats) -> float:
-    return plane[0] * point[0] + plane[1] * point[1] + plane[2] * point[2] + plane[3]
+    distance: float = plane[0] * point[0] + plane[1] * point[1] + plane[2] * point[2] + plane[3]
+    return distance
 
 
 def clip_polygons(clip: Floats, corner: Ints, start: Ints, planes: Floats) -> tuple[Floats, Ints, Ints]:
