@@ -13,7 +13,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from hsr.arrays import Floats, Ints
+from hsr.arrays import Array, Floats, Ints
 from hsr.errors import MapError
 
 BACKGROUND = -1
@@ -21,6 +21,34 @@ BACKGROUND = -1
 
 FORMAT = 1
 """The version of the map file."""
+
+
+@dataclass(frozen=True, eq=False)
+class Admissible:
+    """The tied samples of a view, and all faces that may own each.
+
+    A tie is a sample where the limits of the answer from different directions differ, or where
+    surfaces coincide. A method that shows any admissible face there is not wrong.
+
+    Attributes
+    ----------
+    sample : (n,) int64
+        Numbers ``row * W + column`` of the tied samples, ascending.
+    start : (n + 1,) int64
+    face : (m,) int32
+        Those of ``sample[k]`` are ``face[start[k]:start[k + 1]]``, ascending; -1 is the background.
+    """
+
+    sample: Array
+    start: Array
+    face: Ints
+
+    def faces(self, sample: int) -> frozenset[int]:
+        """Return the faces that may own a sample; none if it is not tied."""
+        k = int(np.searchsorted(self.sample, sample))
+        if k == len(self.sample) or self.sample[k] != sample:
+            return frozenset()
+        return frozenset(self.face[self.start[k] : self.start[k + 1]].tolist())
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +75,8 @@ class VisibilityMap:
         ``faces`` (their names; absent for meshes, whose faces are the triangles as read).
     hashes : dict of str to str
         SHA-256 of the ``scene``, the ``camera`` and the ``size`` that were rendered.
+    admissible : Admissible or None
+        Who may own the tied samples, from a method that knows.
     """
 
     face: Ints
@@ -57,6 +87,7 @@ class VisibilityMap:
     notes: dict[str, Any] = field(default_factory=dict)
     manifest: list[dict[str, Any]] = field(default_factory=list)
     hashes: dict[str, str] = field(default_factory=dict)
+    admissible: Admissible | None = None
 
     def __post_init__(self) -> None:
         if self.face.ndim != 2 or self.face.shape != self.depth.shape:
@@ -101,11 +132,16 @@ class VisibilityMap:
         text = json.dumps(meta, sort_keys=True, separators=(",", ":"))
         try:
             with Path(path).open("wb") as file:
-                np.savez_compressed(
-                    file, face=self.face, depth=self.depth, meta=np.array(text, dtype=np.str_)
-                )
+                np.savez_compressed(file, meta=np.array(text, dtype=np.str_), **self._arrays())  # type: ignore[arg-type]
         except OSError as error:
             raise MapError(f"{path}: cannot write the map: {error.strerror}") from error
+
+    def _arrays(self) -> dict[str, Array]:
+        """Return the arrays of the file by name."""
+        arrays: dict[str, Array] = {"face": self.face, "depth": self.depth}
+        if self.admissible is not None:
+            arrays |= {f"tie_{name}": array for name, array in vars(self.admissible).items()}
+        return arrays
 
 
 def face_name(entry: Mapping[str, Any], offset: int) -> str:
@@ -127,6 +163,7 @@ def load_map(path: str | Path) -> VisibilityMap:
     try:
         with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             face, depth, meta = arrays["face"], arrays["depth"], json.loads(str(arrays["meta"]))
+            ties = [arrays[name] for name in ("tie_sample", "tie_start", "tie_face") if name in arrays]
     except FileNotFoundError:
         raise MapError(f"{path}: no such file; write one with 'hsr render SCENE -o {path}'") from None
     except (OSError, ValueError, KeyError, TypeError, BadZipFile, EOFError) as error:
@@ -135,9 +172,8 @@ def load_map(path: str | Path) -> VisibilityMap:
         raise MapError(f"{path}: not a visibility map of version {FORMAT}; render it again")
     if face.dtype != np.int32 or depth.dtype != np.float64:
         raise MapError(f"{path}: face must be int32 and depth float64, not {face.dtype}, {depth.dtype}")
-    return VisibilityMap(
-        face, depth, meta["method"], meta["work"], {}, meta["notes"], meta["manifest"], meta["hashes"]
-    )
+    told = {key: meta[key] for key in ("method", "work", "notes", "manifest", "hashes")}
+    return VisibilityMap(face, depth, **told, admissible=Admissible(*ties) if ties else None)
 
 
 def depth_format(

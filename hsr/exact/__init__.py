@@ -1,0 +1,1 @@
+"""The oracle: the owner of every sample, decided by exact arithmetic."""

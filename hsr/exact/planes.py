@@ -1,0 +1,219 @@
+"""Triangles in the frame of a view: half-planes of the image and planes of zeta, in integers.
+
+With the corners a, b, c as (X, Y, W) the cross products b x c, c x a, a x b are the edge functions
+and ``det = a . (b x c)`` twice the signed area (Olano & Greer, "Triangle scan conversion using 2D
+homogeneous coordinates", 1997). For every sample s = (i, j, 1)
+
+    (b x c . s) a + (c x a . s) b + (a x b . s) c = det s
+
+so where all three edge functions have the sign of det, s lies in the triangle and in front of the
+eye; no corner need be. Taking the fourth coordinate H in place of X, Y, W on the left gives
+det zeta: an affine function of the sample as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from math import gcd
+
+import numpy as np
+
+from hsr.arrays import Array, Bools, Floats, Ints
+from hsr.exact.decide import Piece
+from hsr.exact.germs import NOTHING, Surd, affine, constant
+from hsr.exact.numbers import Frame, integers
+from hsr.scene.shapes import Polygons
+from hsr.viewing import Placement, View
+
+BACK, FRONT = 1, 2
+"""What ``cull`` removes."""
+
+HALVES = 5
+"""Half-planes of a triangle: three edges, near and far."""
+
+MARGIN = 2.0**-20
+"""Pixels by which a bounding box is widened.
+
+The coordinates of a corner on the image are rounded three times; those that matter are below
+2**16, so that each rounding is at most 2**-37.
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Triangles:
+    """The triangles of a view that can be seen on its image at all.
+
+    Attributes
+    ----------
+    half : (n, 5, 3) object
+        Coefficients (a, b, c) of the affine functions a i + b j + c that are not negative at the
+        samples of the triangle: the edges against its corners in turn, near, far.
+    zeta : (n, 3) object
+        Coefficients of ``det`` times zeta.
+    det : (n,) object
+        Positive.
+    face : (n,) int32
+    box : (n, 4) int32
+        First row, first column, last row, last column of the samples it may cover.
+    """
+
+    half: Array
+    zeta: Array
+    det: Array
+    face: Ints
+    box: Ints
+
+    def __len__(self) -> int:
+        return len(self.face)
+
+    def plane(self, triangle: int) -> tuple[int, ...]:
+        """Name the plane of a triangle."""
+        return plane_name([*self.zeta[triangle], -self.det[triangle]])
+
+    def piece(self, triangle: int, halves: Iterable[int] = range(HALVES)) -> Piece:
+        """Return a triangle, or the intersection of some of its half-planes, as a piece."""
+        zeta = Surd(affine(self.zeta[triangle]), NOTHING, NOTHING, constant(self.det[triangle]))
+        extent = tuple(affine(self.half[triangle, k]) for k in halves)
+        return Piece(triangle, int(self.face[triangle]), self.plane(triangle), zeta, extent)
+
+
+def triangles_of(view: View, frame: Frame) -> Triangles:
+    """Collect the triangles of all planar shapes of a view.
+
+    Left out are those that cover no sample: culled, edge-on, behind the eye, not between near and
+    far, or beside the image.
+    """
+    vertices: dict[int, Array] = {}
+    parts = [_none()]
+    for placement in view.placements:
+        polygons = placement.shape.polygons
+        if polygons is not None:
+            if id(polygons) not in vertices:
+                vertices[id(polygons)] = integers(_homogeneous(polygons.vertices))
+            corners = vertices[id(polygons)] @ frame.placed(placement.world_from_object).T
+            parts.append(_placed(view, frame, placement, polygons, corners))
+    return Triangles(*(np.concatenate(arrays) for arrays in zip(*map(_fields, parts), strict=True)))
+
+
+def _fields(part: Triangles) -> Iterator[Array]:
+    yield from (part.half, part.zeta, part.det, part.face, part.box)
+
+
+def _none() -> Triangles:
+    empty = np.zeros(0, dtype=object)
+    no_int = np.zeros(0, np.int32)
+    return Triangles(empty.reshape(0, HALVES, 3), empty.reshape(0, 3), empty, no_int, no_int.reshape(0, 4))
+
+
+def _homogeneous(points: Floats) -> Floats:
+    return np.column_stack([points, np.ones(len(points))])
+
+
+def _placed(view: View, frame: Frame, placement: Placement, polygons: Polygons, corners: Array) -> Triangles:
+    """Keep the triangles of one object that can be seen."""
+    vertex = polygons.triangle_vertex
+    inside = np.asarray(corners @ frame.limits.T >= 0)
+    ahead = np.asarray(corners[:, 2] > 0)
+    box = boxes(view, corners, vertex, ahead)
+    in_front = ahead[vertex].all(axis=1)
+    # A limit that all corners are beyond, all of them in front of the eye, leaves nothing.
+    beyond = in_front & (~inside[vertex]).all(axis=1).any(axis=1)
+    keep = ahead[vertex].any(axis=1) & ~beyond & (box[:, 0] <= box[:, 2]) & (box[:, 1] <= box[:, 3])
+
+    cut = ~(inside[vertex].all(axis=1) & in_front[:, None])
+
+    edges, zeta, det = _edges(corners, vertex[keep])
+    front = (det < 0) if placement.mirrored else (det > 0)
+    drawn = (det != 0) & (front if placement.cull == BACK else ~front if placement.cull == FRONT else True)
+    edges, zeta, det = _towards_eye(edges[drawn], zeta[drawn], det[drawn])
+    kept = np.flatnonzero(keep)[drawn]
+    half = np.concatenate([edges, _within(frame, zeta, det, cut[kept])], axis=1)
+    face = polygons.triangle_face[kept] + np.int32(placement.first)
+    return Triangles(half, zeta, det, face, box[kept])
+
+
+def _edges(corners: Array, vertex: Ints) -> tuple[Array, Array, Array]:
+    """Edge functions (n, 3, 3) against the corners in turn, det zeta (n, 3), and det (n,).
+
+    Each edge of the mesh is computed once, from its lower vertex to the higher.
+    """
+    ends = np.sort(vertex[:, [[1, 2], [2, 0], [0, 1]]], axis=2).astype(np.int64)
+    lines, which = np.unique(ends[:, :, 0] * len(corners) + ends[:, :, 1], return_inverse=True)
+    from_low = cross(corners[lines // len(corners)], corners[lines % len(corners)])
+    rising = np.where(vertex[:, [1, 2, 0]] < vertex[:, [2, 0, 1]], 1, -1)
+    edges = from_low[which.reshape(vertex.shape)] * rising[:, :, None]
+    h = corners[vertex, 3][:, :, None]
+    zeta = h[:, 0] * edges[:, 0] + h[:, 1] * edges[:, 1] + h[:, 2] * edges[:, 2]
+    return edges, zeta, (corners[vertex[:, 0], :3] * edges[:, 0]).sum(axis=1)
+
+
+def _towards_eye(edges: Array, zeta: Array, det: Array) -> tuple[Array, Array, Array]:
+    """Turn the corners of clockwise triangles round, so that det is positive."""
+    side = np.where(det > 0, 1, -1)
+    return edges * side[:, None, None], zeta * side[:, None], det * side
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Cross product of the first three coordinates, (n, 3)."""
+    ax, ay, aw = a[:, 0], a[:, 1], a[:, 2]
+    bx, by, bw = b[:, 0], b[:, 1], b[:, 2]
+    return np.stack([ay * bw - aw * by, aw * bx - ax * bw, ax * by - ay * bx], axis=1)
+
+
+def _within(frame: Frame, zeta: Array, det: Array, cut: Bools) -> Array:
+    """Half-planes (n, 2, 3) of near and far; (0, 0, 1), which says nothing, where they do not cut."""
+    half = np.zeros((len(det), 2, 3), dtype=object)
+    half[:, :, 2] = 1
+    for side, limit in enumerate(frame.limits):
+        which = cut[:, side]
+        half[which, side] = on_planes(limit, zeta[which], det[which])
+    return half
+
+
+def on_planes(form: Array, zeta: Array, det: Array) -> Array:
+    """Coefficients (n, 3) of the affine functions that a form is on planes, times ``det``."""
+    return np.asarray(det[:, None] * form[:3] + form[3] * zeta)
+
+
+def boxes(view: View, corners: Array, vertex: Ints, ahead: Bools) -> Ints:
+    """Rows and columns (n, 4) of the samples that figures of corners (n, k) may cover.
+
+    A projection is the hull of its projected corners, if all of them are in front of the eye; the
+    whole image otherwise. ``MARGIN`` more than makes up for rounding.
+    """
+    shown = np.where(ahead, corners[:, 2], 1)
+    column = np.clip((ratio(corners[:, 0], shown) + view.width - 1) / 2, -2, view.width + 1)
+    row = np.clip((view.height - 1 - ratio(corners[:, 1], shown)) / 2, -2, view.height + 1)
+    box = np.stack(
+        [
+            np.ceil(row[vertex].min(axis=1) - MARGIN),
+            np.ceil(column[vertex].min(axis=1) - MARGIN),
+            np.floor(row[vertex].max(axis=1) + MARGIN),
+            np.floor(column[vertex].max(axis=1) + MARGIN),
+        ],
+        axis=1,
+    )
+    whole = np.array([0, 0, view.height - 1, view.width - 1])
+    box = np.where(ahead[vertex].all(axis=1)[:, None], box, whole)
+    return np.stack([*np.maximum(box[:, :2], 0).T, *np.minimum(box[:, 2:], whole[2:]).T], axis=1).astype(
+        np.int32
+    )
+
+
+def plane_name(form: Sequence[int]) -> tuple[int, ...]:
+    """Name the plane a i + b j + c + k zeta = 0, whatever the scale of its equation; k is not 0."""
+    common = gcd(*form) * (1 if form[3] > 0 else -1)
+    return tuple(coefficient // common for coefficient in form)
+
+
+def _quotient(numerator: int, denominator: int) -> float:
+    try:
+        return numerator / denominator
+    except OverflowError:
+        return float("inf") if (numerator > 0) == (denominator > 0) else float("-inf")
+
+
+def ratio(numerator: Array, denominator: Array | int) -> Floats:
+    """Divide integers, each quotient rounded once to the nearest float64; infinite if out of range."""
+    return np.asarray(np.frompyfunc(_quotient, 2, 1)(numerator, denominator), dtype=np.float64)

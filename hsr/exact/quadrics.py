@@ -1,0 +1,154 @@
+"""Spheres and cylinders in the frame of a view.
+
+A quadric p Q p = 0 of object space is one of the frame: on the line of sight of the sample
+s = (i, j, 1) it reads
+
+    a zeta^2 + 2 b zeta + c = 0,      zeta = (-b +- sqrt(b^2 - a c)) / a
+
+with a a number, b affine and c quadratic in the sample. Where ``+`` stands, p Q p grows with zeta:
+under perspective the line of sight enters there, for a parallel view it leaves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator
+from dataclasses import dataclass, replace
+from math import gcd
+
+import numpy as np
+
+from hsr.arrays import Array, Ints
+from hsr.exact.decide import Form, Piece
+from hsr.exact.germs import NOTHING, I, J, Polynomial, Surd, affine, constant
+from hsr.exact.numbers import Frame, integers, inverse
+from hsr.exact.planes import BACK, FRONT, boxes, plane_name
+from hsr.scene.shapes import Kind
+from hsr.viewing import Placement, View
+
+BALL = np.diag(np.array([1, 1, 1, -1], dtype=object))
+TUBE = np.diag(np.array([1, 1, 0, -1], dtype=object))
+
+
+@dataclass(frozen=True, eq=False)
+class Round:
+    """A piece of a curved shape, with what the filter must know of it.
+
+    Attributes
+    ----------
+    piece : Piece
+    box : (4,) int32
+        First row, first column, last row, last column of the samples it may cover.
+    """
+
+    piece: Piece
+    box: Ints
+
+
+def rounds_of(view: View, frame: Frame, number: int) -> list[Round]:
+    """Collect the pieces of all spheres and cylinders of a view that can be seen on its image.
+
+    They are numbered from ``number``.
+    """
+    found: list[Round] = []
+    for placement in view.placements:
+        if placement.shape.curved:
+            found += _placed(view, frame, placement)
+    return [replace(this, piece=replace(this.piece, number=number + k)) for k, this in enumerate(found)]
+
+
+def _placed(view: View, frame: Frame, placement: Placement) -> Iterator[Round]:
+    to_frame = frame.placed(placement.world_from_object)
+    low = -1.0 if placement.shape.kind == Kind.SPHERE else 0.0
+    block = np.array([[x, y, z, 1.0] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (low, 1.0)])
+    corners = integers(block) @ to_frame.T
+    ahead = np.asarray(corners[:, 2] > 0)
+    box = boxes(view, corners, np.arange(8, dtype=np.int32)[None, :], ahead)[0]
+    if box[0] > box[2] or box[1] > box[3]:
+        return
+    bounds = list(_bounds(frame, corners, bool(ahead.all())))
+    for piece in _pieces(placement, frame.nearer, inverse(to_frame)):
+        yield Round(replace(piece, inside=(*piece.inside, *bounds)), box)
+
+
+def _bounds(frame: Frame, corners: Array, ahead: bool) -> Iterator[Form]:
+    """Yield what near, far and the eye cut off, as far as they cut the block around the shape."""
+    if not ahead and frame.nearer > 0:
+        yield NOTHING, constant(1)
+    for limit in frame.limits:
+        if not ahead or (corners @ limit < 0).any():
+            yield form(limit)
+
+
+def form(coefficients: Array) -> Form:
+    """Return the form a i + b j + c + k zeta."""
+    return affine(coefficients[:3]), constant(coefficients[3])
+
+
+def _pieces(placement: Placement, nearer: int, to_object: Array) -> Iterator[Piece]:
+    first = placement.first
+    if placement.shape.kind == Kind.SPHERE:
+        yield from _halves(placement, nearer, Quadric.of(BALL, to_object), ())
+        return
+    tube = Quadric.of(TUBE, to_object)
+    above, below = to_object[2], to_object[3] - to_object[2]
+    yield from _halves(placement, nearer, tube, (form(above), form(below)))
+    # The base faces the eye if z grows away from it, the cap if it falls.
+    for face, outward in ((first + 1, -above), (first + 2, -below)):
+        faces_eye = nearer * outward[3] > 0
+        if outward[3] != 0 and placement.cull != (BACK if not faces_eye else FRONT):
+            yield tube.disc(face, form(outward))
+
+
+def _halves(placement: Placement, nearer: int, quadric: Quadric, inside: tuple[Form, ...]) -> Iterator[Piece]:
+    """Yield the half where lines of sight enter, which is the front, and that where they leave."""
+    for entering in (True, False):
+        if placement.cull != (FRONT if entering else BACK):
+            yield from quadric.half(placement.first, nearer if entering else -nearer, inside)
+
+
+@dataclass(frozen=True)
+class Quadric:
+    """a zeta^2 + 2 b zeta + c, polynomials in the sample."""
+
+    a: Polynomial
+    b: Polynomial
+    c: Polynomial
+
+    @classmethod
+    def of(cls, matrix: Array, to_object: Array) -> Quadric:
+        """Carry p Q p from object space into the frame."""
+        q = to_object.T @ matrix @ to_object
+        sample = (I, J, constant(1))
+        c = sum((int(q[m, n]) * sample[m] * sample[n] for m in range(3) for n in range(3)), NOTHING)
+        return cls(constant(q[3, 3]), affine(q[3, :3]), c)
+
+    def half(self, face: int, side: int, inside: tuple[Form, ...]) -> Iterator[Piece]:
+        """Yield the piece with the root (-b + side sqrt(b^2 - a c)) / a, if it can be seen.
+
+        If a is 0, the eye lies on the surface, or lines of sight are parallel to the axis. Then one
+        root is the eye itself, or there is none; the other is -c / 2 b, on the side of the sign
+        of b.
+        """
+        square = self.b * self.b - self.a * self.c
+        if not self.a.is_zero():
+            zeta = Surd(-self.b, constant(side), square, self.a)
+            yield Piece(0, face, self._name(side), zeta, (square,), inside)
+        elif not self.b.is_zero():
+            zeta = Surd(-self.c, NOTHING, NOTHING, 2 * self.b)
+            yield Piece(0, face, self._name(side), zeta, (side * self.b,), inside)
+
+    def _name(self, side: int) -> tuple[Hashable, ...]:
+        """Name the surface, whatever the scale of its equation."""
+        polynomials = [p.to_dict() for p in (self.a, self.b, self.c)]
+        common = gcd(*(int(value) for terms in polynomials for value in terms.values()))
+        named = [
+            tuple((powers, int(value) // common) for powers, value in terms.items()) for terms in polynomials
+        ]
+        return (side, *named)
+
+    def disc(self, face: int, plane: Form) -> Piece:
+        """Return the part of a plane within the quadric: zeta = -l / k where its value is not positive."""
+        offset, slope = plane
+        value = self.a * offset * offset - 2 * self.b * offset * slope + self.c * slope * slope
+        name = plane_name([*(int(offset[power]) for power in ((1, 0), (0, 1), (0, 0))), int(slope[0, 0])])
+        return Piece(0, face, name, Surd(-offset, NOTHING, NOTHING, slope), (-value,))

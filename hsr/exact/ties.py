@@ -1,0 +1,257 @@
+"""The samples float64 cannot settle, decided exactly: many at a time, where many are alike.
+
+What meets at a sample in planes is the same for whole families of samples: all those on one edge,
+all those on which two coplanar faces lie. The *situation* of a sample says all that its owner
+depends on: which triangles contain it, on which of their edges it lies, and in what order of depth
+they come. Each situation is decided once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hsr.arrays import Array, Bools, Floats, Ints
+from hsr.exact.decide import Answer, Piece, decide
+from hsr.exact.filter import Candidates, TriangleTables
+from hsr.exact.planes import HALVES, Triangles
+from hsr.exact.quadrics import Round
+from hsr.visibility import BACKGROUND
+
+CHUNK = 1 << 17
+"""Candidates whose integers are held at a time."""
+
+LEVEL_BITS = 26
+"""Bits for a depth level in a code, beside 31 for the triangle and one for each half-plane."""
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """All that may be seen in a view, exact and in float64.
+
+    Attributes
+    ----------
+    triangles : Triangles
+    tables : TriangleTables
+    rounds : sequence of Round
+        Numbered on from the triangles.
+    nearer : int
+        1 if greater zeta is nearer, else -1.
+    i, j : (W,), (H,) int64
+        Coordinates of the columns and rows.
+    """
+
+    triangles: Triangles
+    tables: TriangleTables
+    rounds: Sequence[Round]
+    nearer: int
+    i: Array
+    j: Array
+
+    def at(self, sample: Array) -> tuple[Array, Array]:
+        """Return the coordinates of samples numbered row after row, as Python integers."""
+        row, column = np.divmod(sample, len(self.i))
+        return self.i[column].astype(object), self.j[row].astype(object)
+
+    def piece(self, number: int) -> Piece:
+        """Return a piece by its number."""
+        flat = len(self.triangles)
+        return self.triangles.piece(number) if number < flat else self.rounds[number - flat].piece
+
+
+@dataclass(frozen=True, eq=False)
+class Verdicts:
+    """Samples, each with one of a list of answers.
+
+    Attributes
+    ----------
+    sample, answer : (n,) int64
+    answers : list of Answer
+    """
+
+    sample: Array
+    answer: Array
+    answers: list[Answer]
+
+
+def settle(problem: Problem, found: Candidates, unsettled: Array) -> Iterator[Verdicts]:
+    """Decide samples exactly.
+
+    Parameters
+    ----------
+    problem : Problem
+    found : Candidates
+    unsettled : (n,) int64
+        The samples to decide, ascending.
+    """
+    count = np.diff(found.start)[unsettled]
+    entry = np.repeat(found.start[unsettled] - (np.cumsum(count) - count), count) + np.arange(count.sum())
+    sample = np.repeat(unsettled, count)
+    piece, sure = found.piece[entry], found.sure[entry]
+    curved = np.zeros(len(found.start) - 1, dtype=np.bool_)
+    curved[sample[piece >= len(problem.triangles)]] = True
+    yield _settle_curved(problem, found, np.flatnonzero(curved))
+    flat = ~curved[sample]
+    yield from _settle_flat(problem, sample[flat], piece[flat], sure[flat])
+
+
+# ---------------------------------------------------------------- curved: one by one
+
+
+def _settle_curved(problem: Problem, found: Candidates, samples: Array) -> Verdicts:
+    """Decide each sample by itself, but for surfaces that coincide on whole areas."""
+    pieces: dict[int, Piece] = {}
+    coinciding: dict[bytes, int] = {}
+    answers: list[Answer] = []
+    which = np.zeros(len(samples), dtype=np.int64)
+    for n, (sample, i, j) in enumerate(zip(samples, *problem.at(samples), strict=True)):
+        here = slice(found.start[sample], found.start[sample + 1])
+        numbers = found.piece[here]
+        for number in numbers:
+            if number not in pieces:
+                pieces[number] = problem.piece(int(number))
+        present = [pieces[number] for number in numbers]
+        alike = bool(found.sure[here].all()) and len({piece.surface for piece in present}) == 1
+        name = numbers.tobytes() if alike else sample.tobytes() + b"."
+        if name not in coinciding:
+            coinciding[name] = len(answers)
+            answers.append(decide(present, i, j, problem.nearer))
+        which[n] = coinciding[name]
+    return Verdicts(samples, which, answers)
+
+
+# ---------------------------------------------------------------- planar: by situation
+
+
+def _settle_flat(problem: Problem, sample: Array, piece: Ints, sure: Bools) -> Iterator[Verdicts]:
+    """Decide samples where only triangles meet; one entry a candidate."""
+    edges, inside = _edges_met(problem, sample, piece, sure)
+    bare = (
+        sample[_firsts(sample)][~np.logical_or.reduceat(inside, _firsts(sample))] if len(sample) else sample
+    )
+    yield Verdicts(bare, np.zeros(len(bare), np.int64), [(BACKGROUND, frozenset({BACKGROUND}))])
+    sample, piece, edges = sample[inside], piece[inside], edges[inside]
+
+    order, level = _by_depth(problem, sample, piece)
+    sample, piece, edges = sample[order], piece[order], edges[order]
+    seen = _down_to_full(sample, level, edges == 0)
+    code = level | edges.astype(np.int64) << LEVEL_BITS | piece.astype(np.int64) << LEVEL_BITS + HALVES
+    order = np.lexsort((code[seen], level[seen], sample[seen]))
+    yield from _by_situation(problem, sample[seen][order], code[seen][order])
+
+
+def _edges_met(problem: Problem, sample: Array, piece: Ints, sure: Bools) -> tuple[Ints, Bools]:
+    """Return on which lines each candidate has its sample, as bits, and whether it contains it."""
+    edges = np.zeros(len(sample), dtype=np.int32)
+    inside = np.ones(len(sample), dtype=np.bool_)
+    unsure = np.flatnonzero(~sure)
+    for first in range(0, len(unsure), CHUNK):
+        some = unsure[first : first + CHUNK]
+        i, j = (ends[:, None] for ends in problem.at(sample[some]))
+        half = problem.triangles.half[piece[some]]
+        value = half[:, :, 0] * i + half[:, :, 1] * j + half[:, :, 2]
+        edges[some] = (value == 0) @ (1 << np.arange(HALVES))
+        inside[some] = (value >= 0).all(axis=1)
+    return edges, inside
+
+
+def _by_depth(problem: Problem, sample: Array, piece: Ints) -> tuple[Array, Array]:
+    """Sort the candidates of every sample by depth.
+
+    Returns
+    -------
+    order : (n,) int64
+        Candidates in order of sample, then depth.
+    level : (n,) int64
+        How many lesser depths the sample has, in that order.
+    """
+    plane = _planes(problem, piece)
+    order = np.lexsort((_key(problem, sample, piece), sample))
+    while True:
+        step = _steps(problem, sample[order], piece[order], plane[order])
+        wrong = np.flatnonzero(step < 0)
+        if not len(wrong):
+            break
+        # Float64 sorts all but neighbours within rounding: exchange those, no two pairs that touch.
+        wrong = wrong[np.diff(wrong, prepend=-2) > 1]
+        order[wrong], order[wrong + 1] = order[wrong + 1], order[wrong]
+    deeper = np.cumsum(np.concatenate([[0], step])[: len(order)])
+    first = _firsts(sample[order])
+    return order, deeper - np.repeat(deeper[first], np.diff(first, append=len(order)))
+
+
+def _planes(problem: Problem, piece: Ints) -> Array:
+    """Give triangles the same number exactly if they lie in the same plane."""
+    triangles, which = np.unique(piece, return_inverse=True)
+    numbers: dict[tuple[int, ...], int] = {}
+    plane = [numbers.setdefault(problem.triangles.plane(t), len(numbers)) for t in triangles]
+    return np.array(plane, dtype=np.int64)[which]
+
+
+def _key(problem: Problem, sample: Array, piece: Ints) -> Floats:
+    row, column = np.divmod(sample, len(problem.i))
+    key = problem.tables.key[piece]
+    return np.asarray(key[:, 0] * problem.i[column] + key[:, 1] * problem.j[row] + key[:, 2])
+
+
+def _steps(problem: Problem, sample: Array, piece: Ints, plane: Array) -> Array:
+    """Compare each candidate with the next (n - 1,): 1 if that is deeper, 0 if equally deep, else -1.
+
+    Candidates of different samples count as in order.
+    """
+    gap = np.diff(_key(problem, sample, piece))
+    slack = problem.tables.key_slack[piece]
+    bound = slack[:-1] + slack[1:]
+    step = np.where(gap > bound, 1, np.where(gap < -bound, -1, 0))
+    step[np.diff(sample) != 0] = 1
+    close = np.flatnonzero((step == 0) & (np.diff(plane) != 0))
+    for first in range(0, len(close), CHUNK):
+        some = close[first : first + CHUNK]
+        step[some] = _compared(problem, sample[some], piece[some], piece[some + 1])
+    return step
+
+
+def _compared(problem: Problem, sample: Array, one: Ints, other: Ints) -> Array:
+    """Compare the depths of two triangles' planes exactly."""
+    zeta, det = problem.triangles.zeta, problem.triangles.det
+    i, j = problem.at(sample)
+    of_one, of_other = (zeta[t, 0] * i + zeta[t, 1] * j + zeta[t, 2] for t in (one, other))
+    further = (of_one * det[other] - of_other * det[one]) * problem.nearer
+    return np.asarray((further > 0).astype(np.int64) - (further < 0))
+
+
+def _down_to_full(sample: Array, level: Array, full: Bools) -> Bools:
+    """Keep what lies no deeper than the first triangle that covers a sample's neighbourhood."""
+    first = _firsts(sample)
+    floor = np.minimum.reduceat(np.where(full, level, len(level)), first) if len(first) else level
+    return np.asarray(level <= np.repeat(floor, np.diff(first, append=len(sample))))
+
+
+def _firsts(sample: Array) -> Array:
+    """Where in a list ordered by sample each sample begins."""
+    return np.flatnonzero(np.diff(sample, prepend=-1))
+
+
+def _by_situation(problem: Problem, sample: Array, code: Array) -> Iterator[Verdicts]:
+    """Decide each situation once: the sequence of codes of a sample's candidates."""
+    first = _firsts(sample)
+    count = np.diff(first, append=len(sample))
+    for length in np.flatnonzero(np.bincount(count)):
+        these = first[count == length]
+        rows = code[these[:, None] + np.arange(length)]
+        situations, example, which = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+        i, j = problem.at(sample[these[example]])
+        answers = [_decide_situation(problem, *case) for case in zip(situations, i, j, strict=True)]
+        yield Verdicts(sample[these], which, answers)
+
+
+def _decide_situation(problem: Problem, situation: Array, i: int, j: int) -> Answer:
+    """Decide by one of its samples; only half-planes met there bound what is near by."""
+    pieces = []
+    for code in situation.tolist():
+        edges = code >> LEVEL_BITS & (1 << HALVES) - 1
+        halves = [k for k in range(HALVES) if edges >> k & 1]
+        pieces.append(problem.triangles.piece(code >> LEVEL_BITS + HALVES, halves))
+    return decide(pieces, i, j, problem.nearer)
