@@ -104,6 +104,7 @@ def render(
     With several methods the files are named after them: map.npz becomes map.zbuffer.npz.
     """
     import hsr
+    from hsr.algorithms.registry import method_named
 
     view = hsr.view(hsr.load(scene), _size(size), camera)
     names = method or ["zbuffer"]
@@ -111,6 +112,7 @@ def render(
     with _progress(quiet, len(names)) as step:
         for name in names:
             step(name)
+            method_named(name).warm_up(view)
             answer = hsr.render(view, name)
             files = _write_render(view, answer, output, png, several=len(names) > 1)
             rows.append(_summary(answer) | {"files": files})

@@ -17,6 +17,9 @@ from hsr.visibility import VisibilityMap
 ENTRY_POINTS = "hsr.algorithms"
 """Entry-point group in which other packages register a :class:`Method`."""
 
+WARM_UP = 8
+"""Side in pixels of the picture a method draws before it is timed."""
+
 
 @dataclass(frozen=True)
 class Method:
@@ -68,6 +71,10 @@ class Method:
         options = self.options(**overrides)
         answer: VisibilityMap = importlib.import_module(self.module).render(view, options)
         return replace(answer, method=self.name, manifest=view.manifest, hashes=view.hashes)
+
+    def warm_up(self, view: View) -> None:
+        """Render a tiny picture of the same objects, so that compiling is not timed later."""
+        self.render(replace(view, width=WARM_UP, height=WARM_UP))
 
 
 BUILT_IN = (

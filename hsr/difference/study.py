@@ -19,9 +19,6 @@ from hsr.visibility import VisibilityMap
 PATIENCE = 2**29
 """Tests of a face at a sample that a study waits for unasked: a few seconds on two cores."""
 
-WARM_UP = 8
-"""Side in pixels of the picture every method draws first, so that compiling it is not timed."""
-
 
 @dataclass(frozen=True, eq=False)
 class Study:
@@ -180,7 +177,7 @@ def default_reference(methods: Sequence[str]) -> str:
     camera = Orthographic(type="orthographic", eye=(0.0, 0.0, 2.0), height=2.0, far=4.0)
     probe = Scene(camera=(camera,), object=(Square(shape="square", name="square"),))
     try:
-        method_named("opengl").render(view(probe, (WARM_UP, WARM_UP)))
+        method_named("opengl").render(view(probe, (8, 8)))
     except UnavailableError:
         return "zbuffer" if "zbuffer" in methods else methods[0]
     return "opengl"
@@ -193,7 +190,7 @@ def _run(method: Method, problem: View, patient: bool) -> VisibilityMap:
             f"tests each of {problem.faces:,} faces at each sample, which may take minutes; "
             f"name it to run it all the same"
         )
-    method.render(replace(problem, width=WARM_UP, height=WARM_UP))
+    method.warm_up(problem)
     return method.render(replace(problem))  # a fresh view: none profits from what another prepared
 
 

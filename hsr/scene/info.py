@@ -68,8 +68,8 @@ def lines(found: dict[str, Any]) -> list[str]:
     total = found["totals"]
     text = [
         found["title"] or "untitled scene",
-        f"{total['copies']} objects, {total['faces']} faces; from {_triple(found['bounds']['low'])} "
-        f"to {_triple(found['bounds']['high'])}",
+        f"{_counted(total['copies'], 'object')}, {_counted(total['faces'], 'face')}; "
+        f"from {_triple(found['bounds']['low'])} to {_triple(found['bounds']['high'])}",
     ]
     for camera in found["cameras"]:
         far = "infinity" if camera["far"] is None else f"{camera['far']:g}"
@@ -91,14 +91,18 @@ def schema() -> dict[str, Any]:
 
 def _object_lines(entry: dict[str, Any]) -> Iterator[str]:
     copies = f"{entry['copies']} x " if entry["copies"] > 1 else ""
-    cut = f", {entry['cut']} faces of its file cut into triangles" if entry["cut"] else ""
-    what = f"{copies}{entry['shape']}, {entry['faces']} faces, cull {entry['cull']}"
+    cut = f", {_counted(entry['cut'], 'face')} of its file cut into triangles" if entry["cut"] else ""
+    what = f"{copies}{entry['shape']}, {_counted(entry['faces'], 'face')}, cull {entry['cull']}"
     yield f"object {entry['name']}: {what}{cut}"
     for why in dict.fromkeys(entry["culling"].values()):
         cameras = [name for name, other in entry["culling"].items() if other == why]
         seen_by = "" if len(cameras) == len(entry["culling"]) else f" seen by {', '.join(cameras)}"
         verdict = f"may change the picture: {why}" if why else "changes nothing"
         yield f"  culling its back faces{seen_by} {verdict}"
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count:,} {what}" if count == 1 else f"{count:,} {what}s"
 
 
 def _triple(values: list[float]) -> str:

@@ -370,19 +370,22 @@ def test_strips_list_polygons_in_order() -> None:
 
 @pytest.mark.parametrize("real", REALS)
 def test_strips_leave_no_trace(real: type) -> None:
-    """An edge over many strips is one walk: every line of it is the line above plus 1/m."""
+    """A side over many strips is one walk, bit for bit: every line is the line above plus 1/m."""
     height = 3 * scanline.STRIP + 5
-    corners = [(0.3, 0.1, 0.2), (11.7, 0.1, 0.8), (4.9, height - 0.3, 0.4)]
-    _, owner, _ = draw(corners, [[0, 1, 2]], (12, height), INCREMENTAL, real)
-    (x0, y0, _), (x2, y2, _) = (tuple(map(real, corners[k])) for k in (0, 2))
-    half = real(0.5)
-    m = (x2 - x0) / (y2 - y0)
+    corners = np.array([(0.3, 0.1, 0.2), (11.7, 0.1, 0.8), (4.9, height - 0.3, 0.4)], real)
+    loop = (np.arange(3, dtype=np.int32), np.array([0, 3], np.int32), np.zeros(1, np.int32))
+    ((z_x, z_y),), _ = scanline.polygon_table(corners, *loop, np.zeros(1, np.int8), (12, height))
+    z, owner, _ = draw(corners.tolist(), [[0, 1, 2]], (12, height), INCREMENTAL, real)
+    (x0, y0, z0), (x2, y2, _) = corners[0], corners[2]
+    half, m = real(0.5), (x2 - x0) / (y2 - y0)
     x = x0 + (half - y0) * m
-    for row in range(height - 1):
-        columns = np.flatnonzero(owner[row] >= 0)
-        if len(columns):
-            assert columns[0] == math.ceil(x - half)
-        x += m
+    z_left = z0 + (x - x0) * z_x + (half - y0) * z_y
+    for row in range(height):
+        first = math.ceil(x - half)
+        if (owner[row] >= 0).any():
+            assert owner[row].tolist().index(0) == first
+            assert z[row, first] == z_left + (real(first) + half - x) * z_x
+        x, z_left = x + m, z_left + (m * z_x + z_y)
 
 
 def test_counts() -> None:

@@ -141,9 +141,9 @@ def test_lines_for_people(tmp_path: Path) -> None:
     (tmp_path / "q.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
     text = lines(describe(load(tmp_path / "q.obj"), (100, 100)))
     assert text[0] == "q.obj"
-    assert text[1] == "1 objects, 2 faces; from (0, 0, 0) to (1, 1, 0)"
+    assert text[1] == "1 object, 2 faces; from (0, 0, 0) to (1, 1, 0)"
     assert text[2].startswith("camera fitted: perspective, fov 40.00 x 40.00 degrees, near ")
-    assert text[3] == "object q: mesh, 2 faces, cull none, 1 faces of its file cut into triangles"
+    assert text[3] == "object q: mesh, 2 faces, cull none, 1 face of its file cut into triangles"
     assert (
         text[4]
         == "  culling its back faces may change the picture: not closed: 4 edges belong to one face only"
