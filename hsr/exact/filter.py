@@ -27,6 +27,7 @@ from hsr.jit import jit
 
 ROUNDING = 2.0**-49
 TINY = 2.0**-1000
+TINY_SLOPE = 2.0**-500
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +102,8 @@ def triangle_tables(triangles: Triangles, nearer: int, width: int, height: int) 
     half[:, :, 2] = 1.0
     told = (triangles.half[:, :, :2] != 0).any(axis=2)
     half[told] = _proportions(triangles.half[told])
+    # What is left out is far below the slack; it would overflow as a divisor.
+    half[np.abs(half) < TINY_SLOPE] = 0.0
     key = ratio(-nearer * triangles.zeta, triangles.det[:, None])
     ends = np.array([width, height, 1.0])
     slack = ROUNDING * (np.abs(half) @ ends) + TINY

@@ -74,7 +74,7 @@ class Triangles:
     def piece(self, triangle: int, halves: Iterable[int] = range(HALVES)) -> Piece:
         """Return a triangle, or the intersection of some of its half-planes, as a piece."""
         zeta = Surd(affine(self.zeta[triangle]), NOTHING, NOTHING, constant(self.det[triangle]))
-        extent = tuple(affine(self.half[triangle, k]) for k in halves)
+        extent = tuple(affine(half) for half in self.half[triangle, list(halves)] if half[:2].any())
         return Piece(triangle, int(self.face[triangle]), self.plane(triangle), zeta, extent)
 
 
@@ -113,21 +113,20 @@ def _homogeneous(points: Floats) -> Floats:
 def _placed(view: View, frame: Frame, placement: Placement, polygons: Polygons, corners: Array) -> Triangles:
     """Keep the triangles of one object that can be seen."""
     vertex = polygons.triangle_vertex
-    inside = np.asarray(corners @ frame.limits.T >= 0)
-    ahead = np.asarray(corners[:, 2] > 0)
+    inside: Bools = np.asarray(corners @ frame.limits.T >= 0, dtype=np.bool_)
+    ahead: Bools = np.asarray(corners[:, 2] > 0, dtype=np.bool_)
     box = boxes(view, corners, vertex, ahead)
-    in_front = ahead[vertex].all(axis=1)
+    in_front = np.all(ahead[vertex], axis=1)
     # A limit that all corners are beyond, all of them in front of the eye, leaves nothing.
-    beyond = in_front & (~inside[vertex]).all(axis=1).any(axis=1)
-    keep = ahead[vertex].any(axis=1) & ~beyond & (box[:, 0] <= box[:, 2]) & (box[:, 1] <= box[:, 3])
+    beyond = in_front & np.any(np.all(~inside[vertex], axis=1), axis=1)
+    shown = np.any(ahead[vertex], axis=1) & ~beyond & np.all(box[:, :2] <= box[:, 2:], axis=1)
+    cut = ~(np.all(inside[vertex], axis=1) & in_front[:, None])
 
-    cut = ~(inside[vertex].all(axis=1) & in_front[:, None])
-
-    edges, zeta, det = _edges(corners, vertex[keep])
+    edges, zeta, det = _edges(corners, vertex[shown])
     front = (det < 0) if placement.mirrored else (det > 0)
     drawn = (det != 0) & (front if placement.cull == BACK else ~front if placement.cull == FRONT else True)
     edges, zeta, det = _towards_eye(edges[drawn], zeta[drawn], det[drawn])
-    kept = np.flatnonzero(keep)[drawn]
+    kept = np.flatnonzero(shown)[drawn]
     half = np.concatenate([edges, _within(frame, zeta, det, cut[kept])], axis=1)
     face = polygons.triangle_face[kept] + np.int32(placement.first)
     return Triangles(half, zeta, det, face, box[kept])
@@ -195,7 +194,7 @@ def boxes(view: View, corners: Array, vertex: Ints, ahead: Bools) -> Ints:
         axis=1,
     )
     whole = np.array([0, 0, view.height - 1, view.width - 1])
-    box = np.where(ahead[vertex].all(axis=1)[:, None], box, whole)
+    box = np.where(np.all(ahead[vertex], axis=1)[:, None], box, whole)
     return np.stack([*np.maximum(box[:, :2], 0).T, *np.minimum(box[:, 2:], whole[2:]).T], axis=1).astype(
         np.int32
     )

@@ -61,7 +61,7 @@ def _placed(view: View, frame: Frame, placement: Placement) -> Iterator[Round]:
     low = -1.0 if placement.shape.kind == Kind.SPHERE else 0.0
     block = np.array([[x, y, z, 1.0] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (low, 1.0)])
     corners = integers(block) @ to_frame.T
-    ahead = np.asarray(corners[:, 2] > 0)
+    ahead = np.asarray(corners[:, 2] > 0, dtype=np.bool_)
     box = boxes(view, corners, np.arange(8, dtype=np.int32)[None, :], ahead)[0]
     if box[0] > box[2] or box[1] > box[3]:
         return
