@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hsr.arrays import Floats, Ints
-from hsr.difference.models import Driver, Prediction, Stage, predict
+from hsr.difference.models.llvmpipe import Driver, Prediction, Stage, predict
 from hsr.errors import UnavailableError
 from hsr.scene.model import Scene
 from hsr.scene.shapes import Kind, Polygons, Shape
