@@ -5,20 +5,26 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from hsr.difference.cause import causes
-from hsr.difference.models.llvmpipe import LLVMPIPE, drawn_at
+from hsr.difference.models.llvmpipe import LLVMPIPE, Drawn, drawn_at
 from hsr.difference.models.stages import Cause
 from hsr.difference.sight import EDGE_ON, Layer, Sight, nearby, sight
 from hsr.errors import MapError
 from hsr.viewing import View
-from hsr.visibility import BACKGROUND, Admissible, VisibilityMap, face_name
+from hsr.visibility import BACKGROUND, Admissible, VisibilityMap, name_in
 
 LEVELS = 2**24 - 1
 """Greatest depth in a buffer of 24 bits."""
+
+DRIVER = "llvmpipe"
+"""The driver of OpenGL that is modelled."""
+
+SNAPPED = f"after snapping to 1/{1 << LLVMPIPE.subpixel_bits} pixel"
 
 MISSES_TOLD = 8
 """How many of the faces that just miss the sample the text names; JSON names all."""
@@ -26,7 +32,6 @@ MISSES_TOLD = 8
 GONE = {"culled": "culled", "near": "clipped: in front of near", "far": "clipped: behind far"}
 
 REASONS = {
-    Cause.TESSELLATION: "polygons stand for the curved shapes",
     Cause.INPUT_ROUNDING: "vertices are rounded in world space",
     Cause.TRANSFORM: "transformed coordinates are rounded",
     Cause.CLIPPING: "the corners that clipping makes are rounded",
@@ -223,7 +228,7 @@ def history(view: View, row: int, column: int, maps: Sequence[VisibilityMap]) ->
     seen = sight(view, row, column)
     for answer in maps:
         _check(view, answer)
-    names = {layer.face: _name(view, layer.face) for layer in seen.layers}
+    names = {layer.face: name_in(view.manifest, layer.face) for layer in seen.layers}
     told = [_Telling(view, row, column, seen, answer) for answer in maps]
     entries = [
         Entry(
@@ -234,12 +239,12 @@ def history(view: View, row: int, column: int, maps: Sequence[VisibilityMap]) ->
         )
         for layer in seen.layers
     ]
-    admissible = {face: _name(view, face) for face in sorted(seen.admissible)}
+    admissible = {face: name_in(view.manifest, face) for face in sorted(seen.admissible)}
     return History(
         row,
         column,
         (view.width, view.height),
-        _name(view, seen.owner),
+        name_in(view.manifest, seen.owner),
         admissible,
         tuple(entries),
         tuple(telling.story() for telling in told),
@@ -252,13 +257,6 @@ def _check(view: View, answer: VisibilityMap) -> None:
             raise MapError(f"the map of {answer.method} shows another {what}; render it anew")
     if answer.face.shape != (view.height, view.width):
         raise MapError(f"the map of {answer.method} has another size; render it anew")
-
-
-def _name(view: View, face: int) -> str:
-    if face == BACKGROUND:
-        return "background"
-    entry = view.manifest[int(view.object_of(np.array(face)))]
-    return face_name(entry, face - int(entry["first"]))
 
 
 def window_depth(view: View, depth: Fraction) -> Fraction:
@@ -300,12 +298,15 @@ class _Telling:
         return self.sight.of(self.face)
 
     def name(self, face: int) -> str:
-        return _name(self.view, face)
+        return name_in(self.view.manifest, face)
 
     def verdict(self, layer: Layer) -> str:
         """Say what became of one face."""
         if layer is self.shown:
             return "won"
+        first = layer is self.sight.of(layer.face) and layer.face != self.face
+        if first and {self.face, layer.face} <= self.sight.admissible:
+            return "tie"
         if layer.removed:
             return GONE[layer.removed]
         if layer.facing == EDGE_ON:
@@ -313,8 +314,8 @@ class _Telling:
         if layer.depth is None:
             edge, distance = layer.nearest_edge
             return f"not covered: {-distance:.3g} px outside {edge}"
-        if self.face in self.sight.admissible and layer.face in self.sight.admissible:
-            return "tie"
+        if layer.face in self.drawn and self.drawn[layer.face].inside < 0.0:
+            return f"not covered: {_inside(self.drawn[layer.face].inside)} {SNAPPED}"
         if self.face == BACKGROUND:
             return "missed"
         return self._compared(layer.depth)
@@ -350,9 +351,8 @@ class _Telling:
         return f"{self.answer.method} is right: it shows {self.name(self.face)}{tie}."
 
     def _wrong(self, cause: Cause) -> str:
-        reason = self._drawn(cause) if self.answer.method == "opengl" else ""
         return (
-            f"{self.answer.method} shows {self.name(self.face)} because {reason or REASONS[cause]} "
+            f"{self.answer.method} shows {self.name(self.face)} because {self._reason(cause)} "
             f"({cause.label}); exactly, {self._truth()}."
         )
 
@@ -372,22 +372,45 @@ class _Telling:
         edge, distance = owner.nearest_edge
         return f"the sample lies {distance:.3g} px inside {edge} of {self.name(owner.face)}, which owns it"
 
-    def _drawn(self, cause: Cause) -> str:
-        """Say by what numbers of its own the driver's model decides; nothing if they do not tell."""
+    @cached_property
+    def drawn(self) -> dict[int, Drawn]:
+        """How the driver sees each face near the sample, where it is the one that is modelled."""
+        if DRIVER not in self.answer.notes.get("driver", ""):
+            return {}
         near, origin = nearby(self.view, self.row, self.column)
-        drawn = {int(origin[found.face]): found for found in drawn_at(near, self.row, self.column)}
-        shown, owner = drawn.get(self.face), drawn.get(self.sight.owner)
-        snapped = f"after snapping to 1/{1 << LLVMPIPE.subpixel_bits} pixel the sample lies"
+        drawn: dict[int, Drawn] = {}
+        for found in drawn_at(near, self.row, self.column):
+            face = int(origin[found.face])
+            drawn[face] = max(drawn.get(face, found), found, key=lambda one: one.inside)
+        return drawn
+
+    def _reason(self, cause: Cause) -> str:
+        """Say what went wrong, by the numbers of the method's own model if it has some."""
+        shown, owner = self.drawn.get(self.face), self.drawn.get(self.sight.owner)
+        exact = self.shown
+        name = self.name(self.sight.owner)
+        if cause == Cause.TESSELLATION:
+            return self._tessellated()
         if cause in (Cause.VERTEX_SNAPPING, Cause.FILL_RULE):
-            exact = self.shown
             if shown is not None and (exact is None or not exact.covered):
-                return f"{snapped} {_inside(shown.inside)} it"
+                return f"{SNAPPED} the sample lies {_inside(shown.inside)} it"
             if owner is not None:
-                return f"{snapped} {_inside(owner.inside)} {self.name(self.sight.owner)}"
+                return f"{SNAPPED} the sample lies {_inside(owner.inside)} {name}"
         if cause in (Cause.DEPTH_ARITHMETIC, Cause.DEPTH_FORMAT) and shown is not None and owner is not None:
-            stored = f"its depth is stored as {shown.level} and that of {self.name(self.sight.owner)} as {owner.level}"
-            return stored + (", and it was drawn first" if shown.level == owner.level else "")
-        return ""
+            first = ", and it was drawn first" if shown.level == owner.level else ""
+            return f"its depth is stored as {shown.level} and that of {name} as {owner.level}{first}"
+        return REASONS[cause]
+
+    def _tessellated(self) -> str:
+        """Say how the polygons lie that stand for the owner."""
+        name = self.name(self.sight.owner)
+        polygons = f"the polygons of {self.view.segments} sides that stand for "
+        layers = sight(self.view.tessellated(), self.row, self.column).layers
+        own = [layer for layer in layers if layer.face == self.sight.owner and layer.edges]
+        if not own or any(layer.covered for layer in own):
+            return f"{polygons}curved shapes lie elsewhere"
+        missed = min(-layer.nearest_edge[1] for layer in own)
+        return f"{polygons}{name} miss the sample by {missed:.3g} px"
 
 
 def _inside(distance: float) -> str:

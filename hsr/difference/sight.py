@@ -181,8 +181,7 @@ def nearby(view: View, row: int, column: int) -> tuple[View, Ints]:
     ViewError
         If there is no such sample.
     """
-    if not (0 <= row < view.height and 0 <= column < view.width):
-        raise ViewError(f"no sample at column {column}, row {row}: the image is {view.width}x{view.height}")
+    check_sample(view, row, column)
     sides = _pixel_sides(view, row, column)
     placements: list[Placement] = []
     origin = [np.zeros(0, dtype=np.int32)]
@@ -193,6 +192,13 @@ def nearby(view: View, row: int, column: int) -> tuple[View, Ints]:
             placements.append(replace(placement, shape=shape, first=first))
             origin.append(face + np.int32(placement.first))
     return replace(view, placements=tuple(placements)), np.concatenate(origin)
+
+
+def check_sample(view: View, row: int, column: int) -> None:
+    """Raise :class:`hsr.errors.ViewError` if there is no such sample; row 0 is the top row."""
+    if not (0 <= row < view.height and 0 <= column < view.width):
+        size = f"{view.width}x{view.height}"
+        raise ViewError(f"no sample at column {column}, row {row}: the image is {size}, counted from 0")
 
 
 def _shape_near(placement: Placement, sides: Floats) -> tuple[Shape, Ints]:

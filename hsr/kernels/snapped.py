@@ -213,7 +213,7 @@ def draw(
         for row in range(box[i, 1], box[i, 3] + 1):
             for column in range(box[i, 0], box[i, 2] + 1):
                 if _covers(edges[i], closed[i], column, row):
-                    z = _depth(plane[i], column, row, arithmetic, levels)
+                    z = depth_at(plane[i], column, row, arithmetic, levels)
                     if z < depth[row, column]:
                         depth[row, column] = z
                         triangle[row, column] = i
@@ -229,7 +229,8 @@ def _covers(edges: Array, closed: Bools, column: int, row: int) -> bool:
 
 
 @jit
-def _depth(plane: Floats, column: int, row: int, arithmetic: int, levels: np.float32) -> np.float64:
+def depth_at(plane: Floats, column: int, row: int, arithmetic: int, levels: np.float32) -> np.float64:
+    """Return the depth of a plane at a sample, as the arithmetic has it; see :func:`draw`."""
     depth: np.float64 = plane[0] + plane[1] * column + plane[2] * row
     if arithmetic == FLOAT64:
         return depth

@@ -57,21 +57,22 @@ def _is_tables(value: Any) -> bool:
 
 
 def _table(table: Mapping[str, Any]) -> str:
-    return "".join(f"{key} = {_value(value)}\n" for key, value in table.items())
+    return "".join(f"{key} = {_rows(value)}\n" for key, value in table.items())
 
 
-def _value(value: Any) -> str:
-    """Write a value; a list of lists or of tables goes one to a line."""
+def _rows(value: Any) -> str:
+    """Write the value of a key; a list of lists or of tables goes one to a line."""
+    if isinstance(value, tuple) and value and isinstance(value[0], tuple | Mapping):
+        return "[\n" + "".join(f"{INDENT}{_inline(entry)},\n" for entry in value) + "]"
+    return _inline(value)
+
+
+def _inline(value: Any) -> str:
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{key} = {_value(entry)}" for key, entry in value.items()) + " }"
+        return "{ " + ", ".join(f"{key} = {_inline(entry)}" for key, entry in value.items()) + " }"
     if isinstance(value, tuple):
-        entries = [_value(entry) for entry in value]
-        if value and isinstance(value[0], tuple | Mapping):
-            return "[\n" + "".join(f"{INDENT}{entry},\n" for entry in entries) + "]"
-        return "[" + ", ".join(entries) + "]"
-    if isinstance(value, str):
-        return _string(value)
-    return repr(value)
+        return "[" + ", ".join(map(_inline, value)) + "]"
+    return _string(value) if isinstance(value, str) else repr(value)
 
 
 def _string(text: str) -> str:

@@ -32,6 +32,7 @@ the very end.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from enum import IntEnum
 
@@ -120,6 +121,49 @@ def predict(view: View, upto: Stage = Stage.DEPTH_FORMAT, driver: Driver = LLVMP
     -------
     Prediction
     """
+    return _drawn(_outlines(view, upto, driver), (view.width, view.height), upto, driver)
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """How the driver sees one triangle at one sample.
+
+    Attributes
+    ----------
+    face : int
+    inside : float
+        Distance in pixels from the sample to the nearest of the snapped edges, negative outside.
+    level : int
+        The depth there, as the integer that the buffer would hold.
+    """
+
+    face: int
+    inside: float
+    level: int
+
+
+def drawn_at(view: View, row: int, column: int, driver: Driver = LLVMPIPE) -> Iterator[Drawn]:
+    """Tell how the driver sees every triangle at a sample, in drawing order.
+
+    Parameters
+    ----------
+    view : View
+        Curved shapes are tessellated.
+    row, column : int
+        Row 0 is the top row.
+    driver : Driver
+    """
+    outlines = _outlines(view, Stage.DEPTH_FORMAT, driver)
+    up = view.height - 1 - row
+    value = outlines.edges @ np.array([1, column, up])
+    inside = (value / np.hypot(outlines.edges[:, :, 1], outlines.edges[:, :, 2])).min(axis=1, initial=np.inf)
+    levels = np.float32(2.0**driver.depth_bits - 1.0)
+    for face, distance, plane in zip(outlines.face, inside, outlines.plane, strict=True):
+        level = snapped.depth_at(plane, column, up, snapped.UNORM, levels)
+        yield Drawn(int(face), float(distance), int(level))
+
+
+def _outlines(view: View, upto: Stage, driver: Driver) -> _Outlines:
     size = (view.width, view.height)
     # What lies behind the eye divides by zero, and is clipped away.
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -127,10 +171,8 @@ def predict(view: View, upto: Stage = Stage.DEPTH_FORMAT, driver: Driver = LLVMP
         if upto >= Stage.CLIPPING:
             triangles = _clipped(triangles, driver)
         if upto >= Stage.VERTEX_SNAPPING:
-            outlines = _snapped(triangles, size, upto, driver)
-        else:
-            outlines = _homogeneous(triangles, size, upto)
-        return _drawn(outlines, size, upto, driver)
+            return _snapped(triangles, size, upto, driver)
+        return _homogeneous(triangles, size, upto)
 
 
 @dataclass(frozen=True, eq=False)
