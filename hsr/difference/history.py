@@ -323,14 +323,12 @@ class _Telling:
     def _compared(self, depth: Fraction) -> str:
         """Compare a depth with that of the face shown: the exact one if it covers the sample."""
         shown = self.shown
-        of_shown = Fraction(self.depth) if shown is None or shown.depth is None else shown.depth
+        of_shown = self.depth if shown is None or shown.depth is None else shown.depth
         gap, name = float(depth - of_shown), self.name(self.face)
         if gap == 0.0:
             return f"as deep as {name}"
         return (
-            f"lost depth to {name} by {gap:.3g}"
-            if gap > 0
-            else f"passed over: nearer than {name} by {-gap:.3g}"
+            f"lost depth to {name} by {gap:.3g}" if gap > 0 else f"passed over: {-gap:.3g} nearer than {name}"
         )
 
     def story(self) -> Story:

@@ -2,7 +2,8 @@
 
 Faces far from the line of sight go first. What is left is cut down by delta debugging (Zeller &
 Hildebrandt, "Simplifying and isolating failure-inducing input", IEEE Transactions on Software
-Engineering, 2002): parts are dropped as long as the two methods show different faces at the sample.
+Engineering, 2002): parts are dropped as long as the two methods show at the sample what they show there
+in the whole scene.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ class Shrunk:
         What each of its faces was called in the scene it came from; a face of which several
         triangles are left is named as often.
     shown : tuple of 2 str
-        The faces that the two methods show, by those names.
+        The faces that the two methods show at the sample, by those names.
     trials : int
         How many scenes were tried.
     """
@@ -60,7 +61,7 @@ def shrink(
     size: tuple[int, int] = (512, 512),
     camera: str | None = None,
 ) -> Shrunk:
-    """Find a smallest scene in which two methods still disagree at a sample.
+    """Find a smallest scene in which two methods still disagree at a sample, and by the same faces.
 
     It is one from which no part can be dropped: no triangle, no sphere or cylinder. Other shapes are
     taken apart into the triangles that their faces are fans of, unless the methods agree on those.
@@ -90,17 +91,24 @@ def shrink(
     UnavailableError
         If a method needs what this machine lacks.
     """
-    bench = _Bench(scene, view(scene, size, camera), (row, column), (a, b), camera)
-    _, near = nearby(bench.view, row, column)
-    everything = np.arange(bench.view.faces, dtype=np.int32)
-    shown = bench.shown(bench.view, everything)
+    whole = view(scene, size, camera)
+    bench = _Bench(scene, whole, (row, column), (a, b), camera)
+    near, everything = nearby(whole, row, column)[1], np.arange(whole.faces, dtype=np.int32)
+    shown = bench.shown(whole, everything)
     if shown[0] == shown[1]:
-        name = name_in(bench.view.manifest, shown[0])
+        name = name_in(whole.manifest, shown[0])
         raise MethodError(f"{a} and {b} agree at column {column}, row {row}: both show {name}")
 
+    def as_before(parts: Sequence[_Part]) -> bool:
+        small, origin = bench.scene_of(parts)
+        return bench.shown(bench.view_of(small), origin) == shown
+
     starts = [bench.parts(near, True), bench.parts(near, False)]
-    parts = next(filter(bench.disagree, starts), bench.parts(everything, False))
-    return bench.result(minimised(parts, bench.disagree))
+    parts = next(filter(as_before, filter(None, starts)), bench.parts(everything, False))
+    least, origin = bench.scene_of(minimised(parts, as_before))
+    faces = tuple(name_in(whole.manifest, int(face)) for face in origin)
+    one, other = (name_in(whole.manifest, face) for face in shown)
+    return Shrunk(bench.titled(least, faces), faces, (one, other), bench.trials)
 
 
 def minimised(items: Sequence[Item], holds: Callable[[Sequence[Item]], bool]) -> list[Item]:
@@ -175,12 +183,6 @@ class _Bench:
                 found.append(_Part(number, WHOLE))
         return found
 
-    def disagree(self, parts: Sequence[_Part]) -> bool:
-        """Whether the methods show different faces in the scene of these parts."""
-        small, origin = self.scene_of(parts)
-        one, other = self.shown(self.view_of(small), origin)
-        return one != other
-
     def view_of(self, small: Scene) -> View:
         return view(small, (self.view.width, self.view.height))
 
@@ -216,20 +218,14 @@ class _Bench:
         mesh = mesh.model_copy(update={key: value for key, value in placed.items() if value})
         return mesh, polygons.triangle_face[triangles]
 
-    def result(self, parts: Sequence[_Part]) -> Shrunk:
-        """Put the last parts together, and write down in the scene where they come from."""
-        small, origin = self.scene_of(parts)
-        seen = self.view_of(small)
-        shown = self.shown(seen, origin)
-        faces = tuple(name_in(self.view.manifest, int(face)) for face in origin)
+    def titled(self, small: Scene, faces: Sequence[str]) -> Scene:
+        """Write into a scene what it shows, and what its faces were called."""
         (row, column), size = self.sample, f"{self.view.width}x{self.view.height}"
         title = f"{' and '.join(self.methods)} differ at column {column}, row {row} of {size}"
-        names = [name_in(seen.manifest, face) for face in range(seen.faces)]
+        names = [name_in(self.view_of(small).manifest, face) for face in range(len(faces))]
         was = [f"{new} was {old}" for new, old in zip(names, faces, strict=True) if new != old]
         about = "Shrunk from a larger scene" + (f", in which {', '.join(was)}." if was else ".")
-        small = small.model_copy(update={"title": title, "about": about})
-        one, other = (name_in(self.view.manifest, face) for face in shown)
-        return Shrunk(small, faces, (one, other), self.trials)
+        return small.model_copy(update={"title": title, "about": about})
 
 
 def _steps(matrix: Floats) -> tuple[Step, ...]:

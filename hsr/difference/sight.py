@@ -18,7 +18,7 @@ import numpy as np
 
 from hsr.arrays import Array, Bools, Floats, Ints
 from hsr.errors import ViewError
-from hsr.exact.decide import Piece, decide
+from hsr.exact.decide import Form, Piece, decide
 from hsr.exact.depths import depth_quotient
 from hsr.exact.germs import Polynomial, affine, at, beside
 from hsr.exact.margins import REACH, pixels
@@ -349,18 +349,31 @@ def _curved_layers(near: View, line: _Line) -> Iterator[Layer]:
 
 
 def _rims(piece: Piece, placement: Placement, line: _Line) -> dict[str, float]:
-    """Return the distances to what bounds a curved piece on the image.
-
-    A form l + k zeta vanishes where its norm does, a polynomial; which side of it the sample is on
-    only the form itself tells.
-    """
+    """Return the distances to what bounds a curved piece on the image."""
     tube = placement.shape.kind == Kind.CYLINDER and piece.face == placement.first
     disc = placement.shape.kind == Kind.CYLINDER and not tube
     edges = {"rim" if disc else "outline": line.distance(piece.extent[0])}
-    spot = beside(line.i, line.j)
-    if tube and replace(piece, inside=()).depth_at(spot) is not None:
-        for name, (offset, slope) in zip(("base rim", "cap rim"), piece.inside, strict=False):
-            value = piece.zeta.affine(slope, offset)
-            sign = value.at(spot).sign()
-            edges[name] = math.copysign(line.distance(value.norm()), sign)
+    if tube and replace(piece, inside=()).depth_at(beside(line.i, line.j)) is not None:
+        for name, bound in zip(("base rim", "cap rim"), piece.inside, strict=False):
+            edges[name] = _form_distance(piece, bound, line.i, line.j)
     return edges
+
+
+def _form_distance(piece: Piece, bound: Form, i: int, j: int) -> float:
+    """Pixels from a sample to where a form l + k zeta vanishes on a piece, to first order.
+
+    zeta = (p + q sqrt(r)) / s has the gradient (p' + q r' / 2 sqrt(r) - zeta s') / s: q is a number.
+    Infinite on the outline, where zeta has none. The integer r has hundreds of digits; so has its root.
+    """
+    zeta, (offset, slope) = piece.zeta, bound
+    p, q, r, s, level, k = (Fraction(int(x(i, j))) for x in (zeta.p, zeta.q, zeta.r, zeta.s, offset, slope))
+    root = Fraction(math.isqrt(max(int(r), 0)))
+    if q and not root:
+        return math.inf
+    value = (p + q * root) / s
+    square = Fraction(0)
+    for axis in (0, 1):
+        dp, dr, ds, rise = (int(x.derivative(axis)(i, j)) for x in (zeta.p, zeta.r, zeta.s, offset))
+        square += (rise + k * (dp + (q * dr / (2 * root) if q else 0) - value * ds) / s) ** 2
+    distance = 0.5 * math.sqrt((level + k * value) ** 2 / square) if square else math.inf
+    return distance if level + k * value >= 0 else -distance

@@ -19,6 +19,10 @@ from hsr.viewing import view
 BUILT_IN = sorted(path.name for path in (Path(__file__).parents[2] / "scenes").glob("*.toml"))
 ODD = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e300, max_value=1e300)
 
+AFFINE = [[1, 2, 3, 4], [0, 1, 0, 0.1], [0, 0, 1, 0], [0, 0, 0, 1]]
+POINTS = [[0, 0, 0.1], [1e-300, 0, 0], [0, 1e22, 0]]
+STREWN = {"count": 3, "x": [-1.0, 1.0], "z": [0, 2], "seed": 5}
+
 EVERYTHING: dict[str, Any] = {
     "title": 'a "quoted" \\ title\twith\nlines, é, \x7f and ∞',
     "background": (0.1, 0.2, 0.3),
@@ -34,15 +38,15 @@ EVERYTHING: dict[str, Any] = {
     ],
     "object": [
         {"shape": "square", "name": "s", "transform": [{"scale": 2}, {"rotate_x": 0.1}], "cull": "back"},
-        {"shape": "sphere", "name": "ball", "transform": [{"matrix": [[1, 2, 3, 4], [0, 1, 0, 0.1], [0, 0, 1, 0], [0, 0, 0, 1]]}]},
-        {"shape": "cylinder", "name": "log", "scatter": {"count": 3, "x": [-1.0, 1.0], "z": [0, 2], "seed": 5}},
+        {"shape": "sphere", "name": "ball", "transform": [{"matrix": AFFINE}]},
+        {"shape": "cylinder", "name": "log", "scatter": STREWN},
         {
             "shape": "polyhedron",
             "name": "t",
             "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
             "faces": [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
         },
-        {"shape": "mesh", "name": "m", "vertices": [[0, 0, 0.1], [1e-300, 0, 0], [0, 1e22, 0]], "faces": [[0, 1, 2]]},
+        {"shape": "mesh", "name": "m", "vertices": POINTS, "faces": [[0, 1, 2]]},
         {"shape": "teapot", "name": "pot", "detail": 2},
         {"shape": "torus-knot", "name": "knot", "segments": 8, "sides": 3, "thickness": 0.1},
         {"shape": "terrain", "name": "land", "detail": 1},
@@ -54,7 +58,7 @@ EVERYTHING: dict[str, Any] = {
         {"type": "directional", "direction": [0, -1, 0]},
         {"type": "point", "position": [1, 2, 3], "colour": [1, 0.5, 0]},
     ],
-}  # fmt: skip
+}
 
 
 def reread(scene: Scene, folder: Path) -> Scene:
