@@ -21,7 +21,7 @@ import numpy as np
 from hsr.arrays import Array, Bools, Floats, Ints
 from hsr.exact.decide import Piece
 from hsr.exact.germs import Polynomial, coefficients
-from hsr.exact.planes import Triangles, ratio
+from hsr.exact.planes import Triangles, bounds, ratio
 from hsr.exact.quadrics import Round
 from hsr.jit import jit
 
@@ -100,7 +100,7 @@ def triangle_tables(triangles: Triangles, nearer: int, width: int, height: int) 
     """Round the triangles to float64."""
     half = np.zeros(triangles.half.shape)
     half[:, :, 2] = 1.0
-    told = (triangles.half[:, :, :2] != 0).any(axis=2)
+    told = bounds(triangles.half)
     half[told] = _proportions(triangles.half[told])
     # What is left out is far below the slack; it would overflow as a divisor.
     half[np.abs(half) < TINY_SLOPE] = 0.0
