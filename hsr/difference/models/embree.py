@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -14,14 +13,11 @@ from hsr.difference.models.stages import Cause, Pipeline, Stage
 from hsr.viewing import View
 
 
-@lru_cache(maxsize=2)
-def _in_world(view: View) -> View:
-    return of_polygons(view, replace(view.polygons, vertices=view.polygons.vertices.astype(np.float32)))
-
-
 def input_rounding(view: View, options: Options, samples: Array) -> Ints:  # noqa: ARG001
     """Model the rounding of world points to float32."""
-    return true_faces(_in_world(view.tessellated()))[samples]
+    view = view.tessellated()
+    polygons = replace(view.polygons, vertices=view.polygons.vertices.astype(np.float32))
+    return true_faces(of_polygons(view, polygons, np.ones(len(polygons), dtype=np.bool_)))[samples]
 
 
 PIPELINE = Pipeline(
