@@ -106,6 +106,8 @@ def render(
     import hsr
     from hsr.algorithms.registry import method_named
 
+    _check_folder(output)
+    _check_folder(png)
     view = hsr.view(hsr.load(scene), _size(size), camera)
     names = method or ["zbuffer"]
     rows = []
@@ -205,6 +207,7 @@ def compare(
     from hsr.difference.classes import DIFFERENT
     from hsr.difference.study import default_reference, study
 
+    _check_folder(output)
     forbidden = _classes(fail_on, DIFFERENT)
     loaded = [(path, hsr.load(path)) for path in scenes]
     names = method or list(hsr.methods())
@@ -450,6 +453,12 @@ def _size(text: str) -> tuple[int, int]:
         return int(width), int(height or width)
     except ValueError:
         raise typer.BadParameter(f"--size {text!r}: write WIDTHxHEIGHT, such as 640x480") from None
+
+
+def _check_folder(output: Path | None) -> None:
+    """Refuse a file that cannot be written before the work is done, not after."""
+    if output is not None and not output.parent.is_dir():
+        raise HsrError(f"{output}: there is no folder {output.parent}; make it first")
 
 
 def _table(*columns: str, title: str | None = None, right: Sequence[str] | None = None) -> Table:

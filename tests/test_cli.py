@@ -139,7 +139,7 @@ def test_compare_fails_on_a_class_it_meets(run: Any) -> None:
         (("render", CUBE, "-a", "zbufer"), "no method is named 'zbufer'"),
         (("render", CUBE, "--camera", "left"), "no camera is named 'left'"),
         (("render", CUBE, "--size", "0x5"), "size 0x5: width and height must be from 1"),
-        (("render", CUBE, "--size", "16", "-o", "no/folder/map.npz"), "cannot write the map"),
+        (("render", CUBE, "--size", "16", "-o", "no/folder/map.npz"), "there is no folder no/folder"),
         (("render", CUBE, "--size", "16", "--png", "no/folder/a.png"), "no/folder/a.png"),
         (("compare", CUBE, "-a", "raycats"), "no method is named 'raycats'"),
         (("compare", CUBE, "--ref", "truth"), "no method is named 'truth'"),

@@ -6,9 +6,9 @@ extent around every object, hierarchies of extents for single rays, and coherent
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Literal, NamedTuple, get_args
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -79,7 +79,9 @@ def render(view: View, options: Options) -> VisibilityMap:
         shapes = _shapes(view)
     with clock("prepare"):
         camera = _camera(view)
-        objects, nodes = _objects(view, shapes)
+        objects, nodes = _objects(view, shapes), shapes.nodes
+        if options.acceleration == "hierarchy":
+            objects, nodes = _with_world(view, objects, nodes)
         size = (view.height, view.width)
         face, depth = np.empty(size, np.int32), np.empty(size)
         shares = raytiles.SHARES if options.acceleration == "tiles" else view.height
@@ -161,7 +163,7 @@ def _polygons(shape: Shape) -> Polygons:
 
 def _hierarchy(low: Floats, high: Floats) -> tuple[Ints, Array]:
     """Build the hierarchy over boxes: their order in the leaves, and its nodes."""
-    room = np.empty(max(2 * len(low), 1), hierarchy.NODE)
+    room = np.empty(2 * len(low), hierarchy.NODE)
     order, used = hierarchy.build(low, high, room)
     return order, room[:used]
 
@@ -190,45 +192,44 @@ def _shapes(view: View) -> _Shapes:
     planes = {shape: _planes_of(_polygons(shape)) for shape in distinct if shape.kind in SOLIDS}
     meshes = {shape: _mesh_of(shape) for shape in distinct if shape.kind == Kind.MESH}
     places: dict[Shape, dict[str, int]] = {shape: {} for shape in distinct}
-    for shape, start, end in _runs(planes):
-        places[shape] |= {"start": start, "end": end}
-    for shape, start, end in _runs({shape: mesh.vertices for shape, mesh in meshes.items()}):
-        places[shape] |= {"vertex_start": start, "vertex_end": end}
-    for shape, start, end in _runs({shape: mesh.triangles for shape, mesh in meshes.items()}):
-        places[shape] |= {"start": start, "end": end}
-    for shape, start, end in _runs({shape: mesh.nodes for shape, mesh in meshes.items()}):
-        places[shape] |= {"root": start, "root_end": end}
+    _place(places, planes, "start", "end")
+    _place(places, {shape: mesh.triangles for shape, mesh in meshes.items()}, "start", "end")
+    _place(places, {shape: mesh.vertices for shape, mesh in meshes.items()}, "vertex_start", "vertex_end")
+    _place(places, {shape: mesh.nodes for shape, mesh in meshes.items()}, "root", "root_end")
+    moved = [_moved(mesh, places[shape]) for shape, mesh in meshes.items()]
     return _Shapes(
-        np.concatenate([np.empty((0, 4)), *planes.values()]),
-        np.concatenate([np.empty((0, 3)), *(mesh.vertices for mesh in meshes.values())]),
-        _joined_triangles(meshes, places),
-        _joined_nodes(meshes, places),
+        _joined(list(planes.values()), np.empty((0, 4))),
+        _joined([mesh.vertices for mesh in moved], np.empty((0, 3))),
+        _joined([mesh.triangles for mesh in moved], np.empty(0, rays.TRIANGLE)),
+        _joined([mesh.nodes for mesh in moved], np.empty(0, hierarchy.NODE)),
         places,
     )
 
 
-def _runs(parts: dict[Shape, Any]) -> Iterator[tuple[Shape, int, int]]:
-    """Yield where each shape's array begins and ends when they follow each other."""
+def _place(
+    places: dict[Shape, dict[str, int]], parts: dict[Shape, Array], start_name: str, end_name: str
+) -> None:
+    """Note where each shape's array starts and ends when they follow each other."""
     start = 0
     for shape, part in parts.items():
-        yield shape, start, start + len(part)
+        places[shape] |= {start_name: start, end_name: start + len(part)}
         start += len(part)
 
 
-def _joined_triangles(meshes: dict[Shape, _Mesh], places: dict[Shape, dict[str, int]]) -> Array:
-    parts = [np.empty(0, rays.TRIANGLE), *(mesh.triangles for mesh in meshes.values())]
-    triangles = np.concatenate(parts)
-    for place in (places[shape] for shape in meshes):
-        triangles["corner"][place["start"] : place["end"]] += place["vertex_start"]
-    return triangles
+def _moved(mesh: _Mesh, place: dict[str, int]) -> _Mesh:
+    """Return a mesh with indices that count from the start of the joint arrays."""
+    if not (place["start"] or place["vertex_start"] or place["root"]):
+        return mesh
+    triangles, nodes = mesh.triangles.copy(), mesh.nodes.copy()
+    triangles["corner"] += place["vertex_start"]
+    inner = nodes["count"] == hierarchy.INNER
+    nodes["first"] += np.where(inner, place["root"], place["start"]).astype(np.int32)
+    return _Mesh(mesh.vertices, triangles, nodes)
 
 
-def _joined_nodes(meshes: dict[Shape, _Mesh], places: dict[Shape, dict[str, int]]) -> Array:
-    nodes = np.concatenate([np.empty(0, hierarchy.NODE), *(mesh.nodes for mesh in meshes.values())])
-    for place in (places[shape] for shape in meshes):
-        own = nodes[place["root"] : place["root_end"]]
-        own["first"] += np.where(own["count"] == hierarchy.INNER, place["root"], place["start"]).astype(np.int32)
-    return nodes
+def _joined(parts: list[Array], empty: Array) -> Array:
+    """Concatenate arrays; a single one is not copied."""
+    return parts[0] if len(parts) == 1 else np.concatenate([empty, *parts])
 
 
 def _planes_of(polygons: Polygons) -> Floats:
@@ -262,30 +263,12 @@ def _camera(view: View) -> rays.Camera:
     return rays.Camera(perspective, near, far, closest, farthest, view.width, view.height)
 
 
-def _objects(view: View, shapes: _Shapes) -> tuple[Array, Array]:
-    """Return the object list with the world at its end, and all nodes.
-
-    The objects stand in the order of the leaves of the hierarchy over them; its nodes follow those of
-    the meshes.
-    """
-    objects = _placed(view, shapes)
-    matrix = np.array([placement.world_from_object for placement in view.placements])
-    order, nodes = _hierarchy(*_world_extents(matrix, objects))
-    nodes["first"] += np.where(nodes["count"] == hierarchy.INNER, len(shapes.nodes), 0).astype(np.int32)
-    world = np.zeros(1, rays.OBJECT)
-    sight = _sample_rays(view)
-    world["kind"], world["root"] = rays.WORLD, len(shapes.nodes)
-    world["origin"], world["direction"] = sight.origin, sight.direction
-    return np.concatenate([objects[order], world]), np.concatenate([shapes.nodes, nodes])
-
-
-def _placed(view: View, shapes: _Shapes) -> Array:
+def _objects(view: View, shapes: _Shapes) -> Array:
     """Return the objects (n,) in file order."""
     placements = view.placements
-    objects = np.zeros(len(placements), rays.OBJECT)
-    template = {shape: _described(shape, place) for shape, place in shapes.places.items()}
-    for k, placement in enumerate(placements):
-        objects[k] = template[placement.shape]
+    number = {shape: k for k, shape in enumerate(shapes.places)}
+    described = np.concatenate([_described(shape, place) for shape, place in shapes.places.items()])
+    objects = described[[number[placement.shape] for placement in placements]]
     objects["first_face"] = [placement.first for placement in placements]
     objects["cull"] = [placement.cull for placement in placements]
     objects["mirrored"] = [placement.mirrored for placement in placements]
@@ -301,22 +284,37 @@ def _placed(view: View, shapes: _Shapes) -> Array:
     return objects
 
 
-def _described(shape: Shape, place: dict[str, int]) -> Any:
-    """Return an ``OBJECT`` with all that depends on the shape alone."""
+def _described(shape: Shape, place: dict[str, int]) -> Array:
+    """Return an ``OBJECT`` (1,) with all that depends on the shape alone."""
     described = np.zeros(1, rays.OBJECT)
     described["kind"] = shape.kind
     described["low"], described["high"] = _extent_of(shape)
     for name, value in place.items():
         described[name] = value
-    return described[0]
+    return described
 
 
-def _world_extents(matrix: Floats, objects: Array) -> tuple[Floats, Floats]:
-    """Return the boxes in world space around the extents of objects placed by ``matrix`` (n, 4, 4).
+def _with_world(view: View, objects: Array, nodes: Array) -> tuple[Array, Array]:
+    """Put the objects in the order of the hierarchy over them, the world at their end.
+
+    The hierarchy's nodes follow the others.
+    """
+    order, own = _hierarchy(*_world_extents(view, objects))
+    own["first"] += np.where(own["count"] == hierarchy.INNER, len(nodes), 0).astype(np.int32)
+    world = np.zeros(1, rays.OBJECT)
+    sight = _sample_rays(view)
+    world["kind"], world["root"] = rays.WORLD, len(nodes)
+    world["origin"], world["direction"] = sight.origin, sight.direction
+    return np.concatenate([objects[order], world]), np.concatenate([nodes, own])
+
+
+def _world_extents(view: View, objects: Array) -> tuple[Floats, Floats]:
+    """Return the boxes (n, 3), low and high, around the extents of all objects in world space.
 
     They hold twice the margin: once for the ray, which in world space is no more certain, and once for
     the rounding of what is computed here.
     """
+    matrix = np.array([placement.world_from_object for placement in view.placements])
     low, high = objects["low"] - 2.0 * objects["margin"], objects["high"] + 2.0 * objects["margin"]
     linear, centre, half = matrix[:, :3, :3], 0.5 * (low + high), 0.5 * (high - low)
     centre = (linear @ centre[:, :, None])[:, :, 0] + matrix[:, :3, 3]
@@ -384,16 +382,14 @@ def _cast_tiles(
 ) -> None:
     """Cast all rays tile by tile into batches of objects, nearest first; see ``rays.cast``."""
     tiles = _tiles(camera)
-    reaches = np.empty(len(objects) - 1, raytiles.REACH)
+    reaches = np.empty(len(objects), raytiles.REACH)
     raytiles.reach_objects(camera, objects, reaches)
     seen = (reaches["left"] <= reaches["right"]) & (reaches["top"] <= reaches["bottom"])
     order = np.argsort(-reaches["nearest"], kind="stable")
     for chosen in _batches(order[seen[order]], objects):
         members, corners, grown = _batch(chosen, objects, reaches)
         raytiles.lay_out(camera, objects, vertices, triangles, nodes, members, corners, grown, tiles)
-        raytiles.cast_batch(
-            camera, objects, planes, triangles, nodes, members, corners, grown, tiles, work
-        )
+        raytiles.cast_batch(camera, objects, planes, triangles, nodes, members, corners, grown, tiles, work)
     raytiles.read_out(camera, tiles, face, depth)
     if work is not None:
         work[0, rays.RAYS] = face.size
@@ -404,16 +400,14 @@ def _tiles(camera: rays.Camera) -> Array:
     side = raytiles.SIDE
     tiles = np.empty((-(-camera.height // side), -(-camera.width // side)), raytiles.TILE)
     tiles["nearness"], tiles["floor"], tiles["face"] = camera.farthest, camera.farthest, rays.NO_OWNER
-    samples = tiles["nearness"].reshape(*tiles.shape, side, side)
     if camera.width % side:
-        samples[:, -1, :, camera.width % side :] = np.inf
+        tiles["nearness"][:, -1, :, camera.width % side :] = np.inf
     if camera.height % side:
-        samples[-1, :, camera.height % side :, :] = np.inf
-    tiles["nearness"] = samples.reshape(*tiles.shape, side * side)
+        tiles["nearness"][-1, :, camera.height % side :, :] = np.inf
     return tiles
 
 
-def _batches(order: Ints, objects: Array) -> Iterator[Ints]:
+def _batches(order: Array, objects: Array) -> Iterator[Array]:
     """Cut the objects into runs of at most ``BATCH`` triangles, or of one object."""
     start, triangles = 0, 0
     for end, size in enumerate(_sizes(objects, order, "start", "end")):
@@ -424,13 +418,13 @@ def _batches(order: Ints, objects: Array) -> Iterator[Ints]:
     yield order[start:]
 
 
-def _sizes(objects: Array, chosen: Ints, start: str, end: str) -> Array:
+def _sizes(objects: Array, chosen: Array, start: str, end: str) -> Array:
     """Return how many vertices, nodes or triangles each chosen object has; generic ones none."""
     is_mesh = objects["kind"][chosen] == Kind.MESH
     return np.asarray(np.where(is_mesh, objects[end][chosen] - objects[start][chosen], 0))
 
 
-def _batch(chosen: Ints, objects: Array, reaches: Array) -> tuple[Array, Floats, Array]:
+def _batch(chosen: Array, objects: Array, reaches: Array) -> tuple[Array, Floats, Array]:
     """Return the members of a batch, room for its corners, and the reaches with room for its own."""
     members = np.zeros(len(chosen), raytiles.MEMBER)
     members["object"] = chosen

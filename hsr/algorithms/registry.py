@@ -98,6 +98,9 @@ BUILT_IN = (
         "hsr.algorithms.zbuffer",
         {"arithmetic": "float32", "stepping": "direct"},
     ),
+    Method(
+        "zbuffer-tiles", "depth buffer, half-space tests on sixteen samples at once", "hsr.algorithms.tiles"
+    ),
     Method("raycast", "ray casting, coherent tiles of rays", "hsr.algorithms.raycast", {}, True),
     Method(
         "raycast-single",

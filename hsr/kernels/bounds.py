@@ -55,7 +55,7 @@ def box_entry(box: Any, beam: Beam) -> float:
     Parameters
     ----------
     box : record with ``low`` and ``high``, (3,) float64
-        Opposite corners; a box with low > high is empty and never met.
+        Opposite corners, finite.
     beam : Beam
     """
     t_in, t_out = beam.near, beam.far

@@ -27,15 +27,13 @@ STACK = 64
 """Room for the nodes that wait in a walk: 30 levels of code bits, and 31 halvings of equal codes."""
 
 
-NODE = np.dtype(
-    [("first", np.int32), ("count", np.int32), ("low", np.float64, 3), ("high", np.float64, 3)]
-)
+NODE = np.dtype([("first", np.int32), ("count", np.int32), ("low", np.float64, 3), ("high", np.float64, 3)])
 """One node of a hierarchy.
 
 first : of a leaf its first box, in the order of the leaves; of an inner node its first child, the
     second being the next node.
 count : boxes in a leaf, ``INNER`` for an inner node.
-low, high : the box around everything below the node, closed; low > high if there is nothing.
+low, high : the box around everything below the node, closed.
 """
 
 
@@ -46,8 +44,8 @@ def build(low: Floats, high: Floats, nodes: Array) -> tuple[Ints, int]:
     Parameters
     ----------
     low, high : (n, 3) float64
-        Opposite corners of the boxes, low <= high, finite. Without boxes the root is an empty leaf.
-    nodes : (max(2 n, 1),) NODE
+        Opposite corners of the boxes, low <= high, finite; at least one.
+    nodes : (2 n,) NODE
         Receives the nodes; the root is node 0.
 
     Returns

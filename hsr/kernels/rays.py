@@ -88,7 +88,8 @@ origin, direction : the ray of sample (x, y) in object space is ``origin @ (1, x
 margin : how far rounding may move that ray.
 low, high : the extent: the generic cube moved and scaled onto the object, in object space.
 
-The world comes last in the list: its frame is world space, the leaves under its root are objects.
+For ``HIERARCHY`` the world comes last in the list: its frame is world space, and the leaves under its
+root are objects.
 """
 
 TRIANGLE = np.dtype([("corner", np.int32, 3), ("face", np.int32)])
@@ -352,7 +353,7 @@ def nearest_in_list(
         Whether an object is skipped if the ray misses its extent.
     """
     best = Best(camera.farthest, NO_OWNER)
-    for k in range(len(objects) - 1):
+    for k in range(len(objects)):
         thing = objects[k]
         if extents and not meets_extent(x, y, thing, camera, work):
             continue
@@ -391,32 +392,27 @@ def reciprocal(number: float) -> float:
     return 1.0 / number if number != 0.0 else np.inf
 
 
-class Pending(NamedTuple):
-    """Nodes that wait in a walk, and the depths at which the ray enters them."""
-
-    node: Array
-    entry: Floats
+PENDING = np.dtype([("node", np.int64), ("entry", np.float64)])
+"""A node that waits in a walk, and the depth at which the ray enters it."""
 
 
 @jit
-def push(pending: Pending, waiting: int, nodes: Array, node: int, beam: Beam) -> int:
+def push(pending: Array, waiting: int, nodes: Array, node: int, beam: Beam) -> int:
     """Let a node wait if the beam meets it; return how many nodes wait now."""
     entry = box_entry(nodes[node], beam)
-    if entry == np.inf:
-        return waiting
-    pending.node[waiting], pending.entry[waiting] = node, entry
-    return waiting + 1
+    pending[waiting]["node"], pending[waiting]["entry"] = node, entry
+    return waiting + int(entry < np.inf)
 
 
 @jit
-def push_children(pending: Pending, waiting: int, nodes: Array, first: int, beam: Beam) -> int:
+def push_children(pending: Array, waiting: int, nodes: Array, first: int, beam: Beam) -> int:
     """Let two sister nodes wait, the one entered earlier on top; return how many nodes wait now."""
     one = push(pending, waiting, nodes, first, beam)
     two = push(pending, one, nodes, first + 1, beam)
-    if two == waiting + 2 and pending.entry[waiting] < pending.entry[waiting + 1]:
-        pending.node[waiting], pending.node[waiting + 1] = first + 1, first
-        entry = pending.entry[waiting]
-        pending.entry[waiting], pending.entry[waiting + 1] = pending.entry[waiting + 1], entry
+    if two == waiting + 2 and pending[waiting]["entry"] < pending[one]["entry"]:
+        earlier = pending[waiting]["entry"]
+        pending[waiting]["node"], pending[one]["node"] = first + 1, first
+        pending[waiting]["entry"], pending[one]["entry"] = pending[one]["entry"], earlier
     return two
 
 
@@ -430,15 +426,15 @@ def nearest_in_hierarchy(
     vertices: Floats,
     triangles: Array,
     nodes: Array,
-    rooms: tuple[Pending, Pending],
+    rooms: Array,
     work: Array | None,
 ) -> Best:
     """Find the nearest hit of the ray of sample (x, y) through the hierarchy over the objects.
 
     Parameters
     ----------
-    rooms : two Pending
-        For the walk over the objects and for the walk within one mesh.
+    rooms : (2, STACK) PENDING
+        Room for the walk over the objects and for the walk within one mesh.
     """
     pending, world = rooms[0], objects[len(objects) - 1]
     beam = beam_of(world, x, y, camera)
@@ -446,9 +442,9 @@ def nearest_in_hierarchy(
     waiting = push(pending, 0, nodes, world["root"], beam)
     while waiting > 0:
         waiting -= 1
-        node = nodes[pending.node[waiting]]
+        node = nodes[pending[waiting]["node"]]
         tally(work, NODES)
-        if nearness_of(pending.entry[waiting], camera.perspective) < best.nearness:
+        if nearness_of(pending[waiting]["entry"], camera.perspective) < best.nearness:
             continue
         if node["count"] == INNER:
             waiting = push_children(pending, waiting, nodes, node["first"], beam)
@@ -472,7 +468,7 @@ def nearest_in_mesh(
     triangles: Array,
     nodes: Array,
     best: Best,
-    pending: Pending,
+    pending: Array,
     work: Array | None,
 ) -> Best:
     """Return the better of ``best`` and the nearest hit of a mesh object, through its hierarchy."""
@@ -480,9 +476,9 @@ def nearest_in_mesh(
     waiting = push(pending, 0, nodes, thing["root"], beam)
     while waiting > 0:
         waiting -= 1
-        node = nodes[pending.node[waiting]]
+        node = nodes[pending[waiting]["node"]]
         tally(work, NODES)
-        if nearness_of(pending.entry[waiting], camera.perspective) < best.nearness:
+        if nearness_of(pending[waiting]["entry"], camera.perspective) < best.nearness:
             continue
         if node["count"] == INNER:
             waiting = push_children(pending, waiting, nodes, node["first"], beam)
@@ -514,7 +510,7 @@ def cast(
     Parameters
     ----------
     camera : Camera
-    objects : (n + 1,) OBJECT
+    objects : (n,) OBJECT
     planes : (P, 4) float64
         Of all polyhedra: inside is ``n . p <= m`` for each row (n, m).
     vertices : (V, 3) float64
@@ -522,7 +518,7 @@ def cast(
     triangles : (T,) TRIANGLE
         Of all meshes, in the order of the leaves.
     nodes : (N,) NODE
-        Of the hierarchies of all meshes, and of that over the objects.
+        Of the hierarchies of all meshes, for ``HIERARCHY`` followed by that over the objects.
     way : int
         ``LIST``, ``EXTENTS`` or ``HIERARCHY``.
     face : (H, W) int32
@@ -533,7 +529,7 @@ def cast(
         Receives the work done for every row.
     """
     for row in prange(camera.height):
-        rooms = (room(), room())
+        rooms = np.empty((2, STACK), PENDING)
         done = None if work is None else work[row]
         y = row + 0.5 - 0.5 * camera.height
         for column in range(camera.width):
@@ -545,16 +541,8 @@ def cast(
                 )
             else:
                 extents = way == EXTENTS
-                best = nearest_in_list(
-                    x, y, camera, objects, planes, vertices, triangles, extents, done
-                )
+                best = nearest_in_list(x, y, camera, objects, planes, vertices, triangles, extents, done)
             face[row, column], depth[row, column] = answer_of(best, camera.perspective)
-
-
-@jit
-def room() -> Pending:
-    """Return room for the nodes that wait in one walk."""
-    return Pending(np.empty(STACK, np.int64), np.empty(STACK, np.float64))
 
 
 @jit

@@ -41,16 +41,22 @@ from hsr.kernels.rays import (
 SIDE = 16
 """Samples along each side of a tile: two vectors of eight float64."""
 
-AREA = SIDE * SIDE
-
 SHARES = 16
 """Shares of the image for the threads; share s has the tile rows s, s + SHARES, ..."""
 
 NONE = 32767
 """More than any column or row: images are at most 2^14 samples wide and high."""
 
-TILE = np.dtype([("nearness", np.float64, AREA), ("face", np.int64, AREA), ("floor", np.float64)])
-"""The nearest hits of a tile so far, and the least nearness of them: what is less near is hidden."""
+TILE = np.dtype(
+    [
+        ("nearness", np.float64, (SIDE, SIDE)),
+        ("face", np.int64, (SIDE, SIDE)),
+        ("column", np.float64, SIDE),
+        ("floor", np.float64),
+    ]
+)
+"""The nearest hits of a tile so far; the least nearness of each column, and of all: what is less near
+than the floor is hidden."""
 
 REACH = np.dtype(
     [
@@ -260,7 +266,6 @@ def cast_batch(
     """
     for share in prange(SHARES):
         done = None if work is None else work[share]
-        stack = np.empty(STACK, np.int64)
         for tile_row in range(share, len(tiles), SHARES):
             for place in range(len(members)):
                 member = members[place]
@@ -272,7 +277,7 @@ def cast_batch(
                         continue
                     if thing["kind"] == MESH:
                         cast_into_mesh(
-                            area, camera, thing, member, triangles, nodes, corners, reaches, tile, stack, done
+                            area, camera, thing, member, triangles, nodes, corners, reaches, tile, done
                         )
                     else:
                         cast_into_generic(area, camera, thing, planes, reach, tile, done)
@@ -295,15 +300,13 @@ def cast_into_generic(
     area: Area, camera: Camera, thing: Any, planes: Floats, reach: Any, tile: Any, work: Array | None
 ) -> None:
     """Hit a generic object with each ray of a tile that its extent can reach."""
-    nearness, owner = tile["nearness"], tile["face"]
     left, right = max(area.column, reach["left"]), min(area.last_column, reach["right"])
     for row in range(max(area.row, reach["top"]), min(area.last_row, reach["bottom"]) + 1):
+        nearness, owner = tile["nearness"][row - area.row], tile["face"][row - area.row]
         y = area.y + (row - area.row)
-        for column in range(left, right + 1):
-            x = area.x + (column - area.column)
-            k = (row - area.row) * SIDE + column - area.column
-            hit = counted(generic_hit(x, y, thing, planes, camera), work)
-            nearness[k], owner[k] = better(hit, Best(nearness[k], owner[k]))
+        for i in range(left - area.column, right - area.column + 1):
+            hit = counted(generic_hit(area.x + i, y, thing, planes, camera), work)
+            nearness[i], owner[i] = better(hit, Best(nearness[i], owner[i]))
     raise_floor(tile)
 
 
@@ -318,11 +321,11 @@ def cast_into_mesh(
     corners: Floats,
     reaches: Array,
     tile: Any,
-    stack: Array,
     work: Array | None,
 ) -> None:
     """Walk a tile through the hierarchy of a mesh, the nearer child first."""
     to_node = member["to_node"]
+    stack = np.empty(STACK, np.int64)
     stack[0] = thing["root"]
     waiting = 1
     while waiting > 0:
@@ -379,28 +382,29 @@ def cast_into_leaf(
 def cast_into_row(facet: Facet, face: int, row: int, area: Area, closest: float, tile: Any) -> None:
     """Test one triangle with a row of 16 rays; written without branches, to become vector code."""
     line = row_of(facet, area.y + row)
-    nearness, owner = tile["nearness"], tile["face"]
+    nearness, owner = tile["nearness"][row], tile["face"][row]
     for i in range(SIDE):
-        k = row * SIDE + i
         here = covered_nearness(line, area.x + i, closest)
-        best, best_face = nearness[k], owner[k]
+        best, best_face = nearness[i], owner[i]
         nearer = (here > best) | ((here == best) & (face < best_face))
-        nearness[k] = here if nearer else best
-        owner[k] = face if nearer else best_face
+        nearness[i] = here if nearer else best
+        owner[i] = face if nearer else best_face
 
 
 @jit
 def raise_floor(tile: Any) -> None:
-    """Work out the least nearness in a tile: sixteen columns side by side, then across."""
-    nearness = tile["nearness"]
-    column = np.empty(SIDE)
+    """Work out the least nearness in a tile: down its columns side by side, then across."""
+    nearness, column = tile["nearness"], tile["column"]
     for i in range(SIDE):
-        column[i] = nearness[i]
-    for row in range(1, SIDE):
-        for i in range(SIDE):
-            here = nearness[row * SIDE + i]
-            column[i] = here if here < column[i] else column[i]
-    tile["floor"] = column.min()
+        least = nearness[0, i]
+        for row in range(1, SIDE):
+            here = nearness[row, i]
+            least = here if here < least else least
+        column[i] = least
+    floor = column[0]
+    for i in range(1, SIDE):
+        floor = column[i] if column[i] < floor else floor
+    tile["floor"] = floor
 
 
 @parallel_jit
@@ -410,7 +414,8 @@ def read_out(camera: Camera, tiles: Array, face: Ints, depth: Floats) -> None:
         for tile_column in range(tiles.shape[1]):
             area, tile = area_of(tile_row, tile_column, camera), tiles[tile_row, tile_column]
             for row in range(area.row, area.last_row + 1):
-                for column in range(area.column, area.last_column + 1):
-                    k = (row - area.row) * SIDE + column - area.column
-                    best = Best(tile["nearness"][k], tile["face"][k])
-                    face[row, column], depth[row, column] = answer_of(best, camera.perspective)
+                nearness, owner = tile["nearness"][row - area.row], tile["face"][row - area.row]
+                for i in range(area.last_column - area.column + 1):
+                    column = area.column + i
+                    answer = answer_of(Best(nearness[i], owner[i]), camera.perspective)
+                    face[row, column], depth[row, column] = answer

@@ -1,0 +1,317 @@
+"""Ray casting: four ways through the objects, one answer, and the right one."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import get_args
+
+import numpy as np
+import pytest
+
+import hsr
+from hsr.algorithms import raycast
+from hsr.algorithms.raycast import Acceleration, Options
+from hsr.errors import MethodError
+from hsr.scene.model import Scene
+from hsr.scene.shapes import Kind
+
+ALL = get_args(Acceleration)
+
+SQUARE = {"name": "square", "shape": "square"}
+CUBE = {"name": "cube", "shape": "cube"}
+SPHERE = {"name": "sphere", "shape": "sphere"}
+CYLINDER = {"name": "cylinder", "shape": "cylinder"}
+
+
+def cast(view, acceleration="tiles"):
+    return raycast.render(view, Options(acceleration))
+
+
+def agreed(view):
+    """Return the map of the plain list, after every other way has given the same one."""
+    expected = cast(view, "none")
+    for acceleration in ALL:
+        answer = cast(view, acceleration)
+        assert (answer.face == expected.face).all(), acceleration
+        assert (answer.depth == expected.depth).all(), acceleration
+    return expected
+
+
+def mesh(seed, n, spread=0.4):
+    random = np.random.default_rng(seed)
+    centre = random.normal(size=(n, 1, 3))
+    vertices = (centre + random.normal(scale=spread, size=(n, 3, 3))).reshape(-1, 3)
+    faces = np.arange(3 * n).reshape(n, 3)
+    return {"name": "mesh", "shape": "mesh", "vertices": vertices.tolist(), "faces": faces.tolist()}
+
+
+EYES = {
+    "perspective": {},
+    "amid": {"eye": [0.1, 0.2, 0.3], "target": [1.0, 0.0, -1.0], "near": 0.05, "fov": 90.0},
+    "finite": {"near": 4.0, "far": 5.5},
+    "orthographic": {"type": "orthographic", "height": 4.0, "near": -1.0, "far": 20.0},
+    "orthographic-cut": {"type": "orthographic", "height": 4.0, "near": 4.5, "far": 5.5},
+}
+
+
+@pytest.mark.parametrize("eye", EYES)
+@pytest.mark.parametrize("cull", ["none", "back", "front"])
+@pytest.mark.jit
+def test_all_ways_agree_on_random_triangles_with_and_without_corners_behind_the_eye(make_scene, eye, cull):
+    for seed in range(4):
+        scene = make_scene([mesh(seed, 60, 1.0) | {"cull": cull}], **EYES[eye])
+        agreed(hsr.view(scene, (37, 29)))
+
+
+@pytest.mark.parametrize("eye", EYES)
+def test_all_ways_agree_on_generic_shapes(make_scene, eye):
+    turned = [{"rotate_x": 30.0}, {"rotate_y": 20.0}]
+    objects = [
+        CUBE | {"transform": [{"scale": [0.5, 0.25, 1.0]}, *turned, {"translate": [1.0, 0.5, 0.0]}]},
+        SPHERE | {"transform": [{"scale": [0.5, 1.0, 0.5]}, {"translate": [-1.0, 0.0, -0.5]}]},
+        CYLINDER | {"transform": [*turned, {"scale": 0.5}], "cull": "back"},
+        SQUARE | {"transform": [{"scale": 3.0}, {"rotate_x": -80.0}, {"translate": [0.0, -1.0, 0.0]}]},
+        mesh(1, 5),
+    ]
+    answer = agreed(hsr.view(make_scene(objects, **EYES[eye]), (21, 18)))
+    assert (answer.face >= 0).any()
+
+
+@pytest.mark.jit
+def test_all_ways_agree_on_the_built_in_scenes(scenes):
+    for path in sorted(scenes.glob("*.toml")):
+        scene = hsr.load(path)
+        for camera in scene.camera:
+            view = hsr.view(scene, (33, 27), camera.name)
+            expected, single = cast(view, "tiles"), cast(view, "hierarchy")
+            assert (single.face == expected.face).all(), path.name
+            assert (single.depth == expected.depth).all(), path.name
+            if view.faces < 200:
+                agreed(view)
+
+
+@pytest.mark.jit
+def test_it_agrees_with_the_depth_buffer_on_planar_scenes(make_scene):
+    for seed in range(3):
+        view = hsr.view(make_scene([mesh(seed, 300), CUBE | {"transform": [{"rotate_y": 25.0}]}]), (150, 110))
+        answer, peer = cast(view), hsr.render(view, "zbuffer-direct")
+        assert (answer.face == peer.face).all()
+        shown = answer.face >= 0
+        assert answer.depth[shown] == pytest.approx(peer.depth[shown], rel=1e-12)
+
+
+@pytest.mark.jit
+def test_a_mesh_of_planes_is_the_same_solid(make_scene):
+    """Rays carried into the cube's frame see what the transformed triangles of the cube show."""
+    steps = [{"scale": [1.0, 0.3, 2.0]}, {"rotate_z": 33.0}, {"rotate_x": 41.0}]
+    solid = hsr.view(make_scene([CUBE | {"transform": steps}]), (200, 160))
+    shape = dataclasses.replace(solid.placements[0].shape, kind=Kind.MESH)
+    placement = dataclasses.replace(solid.placements[0], shape=shape)
+    triangles = dataclasses.replace(solid, placements=(placement,))
+    one, two = cast(solid), cast(triangles)
+    assert (one.face == two.face).all()
+    shown = one.face >= 0
+    assert one.depth[shown] == pytest.approx(two.depth[shown], rel=1e-13)
+
+
+def sphere_mesh(rows, columns):
+    latitude = np.pi * np.arange(rows + 1) / rows
+    longitude = 2.0 * np.pi * np.arange(columns) / columns
+    ring = np.stack(
+        [
+            np.outer(np.sin(latitude), np.cos(longitude)),
+            np.outer(np.sin(latitude), np.sin(longitude)),
+            np.outer(np.cos(latitude), np.ones(columns)),
+        ],
+        axis=2,
+    )
+    ring[0], ring[-1] = [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]
+    vertices = ring.reshape(-1, 3)
+    faces = []
+    for i in range(rows):
+        for j in range(columns):
+            a, b = i * columns + j, i * columns + (j + 1) % columns
+            c, d = a + columns, b + columns
+            faces += [f for f, real in (((a, c, d), i < rows - 1), ((a, d, b), i > 0)) if real]
+    return vertices, faces
+
+
+@pytest.mark.jit
+def test_no_ray_from_inside_a_closed_mesh_escapes_through_a_vertex_or_an_edge(make_scene):
+    vertices, faces = sphere_mesh(20, 40)
+    pairs = {tuple(sorted(p)) for f in faces for p in zip(f, (*f[1:], f[0]), strict=True)}
+    targets = np.concatenate([vertices, [(vertices[i] + vertices[j]) / 2.0 for i, j in pairs]])
+    eye = np.array([0.1, -0.2, 0.3])
+    thing = {"name": "ball", "shape": "mesh", "vertices": vertices.tolist(), "faces": faces}
+    view = hsr.view(make_scene([thing], near=0.01), (1, 1))
+    misses = 0
+    for target in targets[:: len(targets) // 700]:
+        forward = (target - eye) / np.linalg.norm(target - eye)
+        side = np.cross(forward, [0.3, 0.5, 0.8])
+        up = np.cross(side, forward)
+        rows = [np.append(row, -row @ eye) for row in (side, up, forward)]
+        clip = np.stack([rows[0], rows[1], rows[2], rows[2]])
+        aimed = dataclasses.replace(view, clip_from_world=clip, depth_row=rows[2])
+        misses += sum(int(cast(aimed, way).face[0, 0] < 0) for way in ("tiles", "hierarchy"))
+    assert misses == 0
+
+
+def lattice(make_scene, objects, size):
+    """See objects so that samples lie at odd multiples of 1/2 in x and y."""
+    camera = {"type": "orthographic", "eye": [0.0, 0.0, 8.0], "height": float(size), "far": 20.0}
+    return hsr.view(make_scene(objects, **camera), (size, size))
+
+
+def test_samples_on_shared_edges_belong_to_the_right_and_lower_triangle(make_scene):
+    """Two rectangles, cut into triangles, meet on a row or a column of samples."""
+    points = [[-1.5, 1.5, 0], [0.5, 1.5, 0], [1.5, 1.5, 0], [-1.5, -1.5, 0], [0.5, -1.5, 0], [1.5, -1.5, 0]]
+    faces = [[0, 3, 4], [0, 4, 1], [1, 4, 5], [1, 5, 2]]
+    thing = {"name": "pair", "shape": "mesh", "vertices": points, "faces": faces}
+    answer = agreed(lattice(make_scene, [thing], 4))
+    assert (answer.face // 2).tolist() == [
+        [0, 0, 1, -1],
+        [0, 0, 1, -1],
+        [0, 0, 1, -1],
+        [-1, -1, -1, -1],
+    ]
+
+
+def test_of_equal_depths_the_lower_face_wins_and_borders_of_generic_shapes_are_closed(make_scene):
+    twice = [SQUARE | {"name": "a", "transform": [{"scale": 1.5}]}, SQUARE | {"name": "b"}]
+    answer = agreed(lattice(make_scene, twice[::-1], 4))
+    assert answer.face.tolist() == [[1, 1, 1, 1], [1, 0, 0, 1], [1, 0, 0, 1], [1, 1, 1, 1]]
+    assert (agreed(lattice(make_scene, twice, 4)).face == 0).all()
+    assert (answer.depth == 8.0).all()
+
+
+@pytest.mark.parametrize(
+    ("near", "far", "face"), [(2.0, 9.0, 4), (7.0, 9.0, 4), (7.5, 9.0, 5), (9.5, 10.0, -1)]
+)
+@pytest.mark.parametrize("acceleration", ALL)
+def test_near_within_a_solid_shows_its_inside_and_near_and_far_are_closed(
+    make_scene, near, far, face, acceleration
+):
+    scene = make_scene([CUBE], eye=[0.0, 0.0, 8.0], near=near, far=far)
+    assert cast(hsr.view(scene, (1, 1)), acceleration).face[0, 0] == face
+
+
+@pytest.mark.parametrize("thing", [CUBE, SPHERE, CYLINDER], ids=lambda thing: thing["shape"])
+@pytest.mark.parametrize("mirror", [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
+def test_culling_leaves_the_outside_or_the_inside_of_a_solid(make_scene, thing, mirror):
+    depth = {}
+    for cull in ("none", "back", "front"):
+        objects = [thing | {"cull": cull, "transform": [{"scale": mirror}]}]
+        view = hsr.view(make_scene(objects, eye=[0.0, 0.0, 8.0]), (1, 1))
+        depth[cull] = agreed(view).depth[0, 0]
+    assert depth["none"] == depth["back"] == 7.0
+    assert depth["front"] == (9.0 if thing["shape"] != "cylinder" else 8.0)
+
+
+@pytest.mark.parametrize("mirror", [[1, 1, 1], [-1, 1, 1], [1, 1, -1]])
+def test_culling_a_square_is_culling_its_triangles(make_scene, mirror):
+    corners = [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]
+    as_mesh = {
+        "name": "mesh",
+        "shape": "mesh",
+        "vertices": [[float(x) for x in corner] for corner in corners],
+        "faces": [[0, 1, 2], [0, 2, 3]],
+    }
+    for cull in ("back", "front"):
+        shown = []
+        for thing in (SQUARE, as_mesh):
+            steps = [{"scale": [float(x) for x in mirror]}, {"rotate_y": 30.0}]
+            view = hsr.view(make_scene([thing | {"cull": cull, "transform": steps}]), (3, 3))
+            shown.append(bool((agreed(view).face >= 0).any()))
+        assert shown[0] == shown[1]
+        assert shown[0] == ((mirror[2] > 0) == (cull == "back"))
+
+
+def test_a_matrix_camera_sees_what_its_twin_sees(make_scene):
+    objects = [CUBE | {"transform": [{"rotate_y": 25.0}]}, mesh(3, 20)]
+    twin = hsr.view(make_scene(objects, near=1.0, far=50.0), (20, 16))
+    matrix = (3.0 * twin.clip_from_world).tolist()
+    view = hsr.view(with_matrix(objects, matrix), (20, 16))
+    answer, expected = agreed(view), agreed(twin)
+    assert (answer.face == expected.face).all()
+    shown = answer.face >= 0
+    assert answer.depth[shown] == pytest.approx(expected.depth[shown], rel=1e-12)
+
+
+def with_matrix(objects, matrix):
+    camera = {"type": "matrix", "matrix": matrix}
+    return Scene.model_validate({"hsr": 1, "camera": [camera], "object": objects})
+
+
+def test_depth_is_along_the_view_axis(make_scene):
+    wall = SQUARE | {"transform": [{"scale": 10.0}]}
+    answer = agreed(hsr.view(make_scene([wall], eye=[0.0, 0.0, 3.0], fov=90.0), (8, 8)))
+    assert answer.depth == pytest.approx(np.full((8, 8), 3.0), rel=1e-15)
+
+
+@pytest.mark.jit
+def test_a_thin_ellipsoid_is_its_own_extent(make_scene):
+    """Extents hold what an ill-conditioned transform makes of their shapes."""
+    steps = [{"scale": [1.0, 1.0, 2.0**-30]}, {"rotate_x": 50.0}, {"rotate_y": 20.0}]
+    agreed(hsr.view(make_scene([SPHERE | {"transform": steps}]), (80, 80)))
+
+
+def test_work_is_counted_and_does_not_change_the_answer(make_scene):
+    view = hsr.view(make_scene([mesh(1, 40), CUBE]), (12, 10))
+    tests = {}
+    for acceleration in ALL:
+        counted = raycast.render(view, Options(acceleration, count=True))
+        assert (counted.face == cast(view, acceleration).face).all()
+        assert counted.work["rays"] == 120
+        tests[acceleration] = counted.work["face tests"]
+    assert tests["none"] == 120 * 41
+    assert tests["none"] > tests["extents"] > tests["hierarchy"] > 0
+    assert cast(view).work == {}
+
+
+@pytest.mark.jit
+def test_the_answer_does_not_depend_on_the_number_of_threads(make_scene):
+    import numba
+
+    view = hsr.view(make_scene([mesh(2, 400)]), (90, 70))
+    expected = cast(view)
+    before = numba.get_num_threads()
+    try:
+        numba.set_num_threads(1)
+        answers = [cast(view, way) for way in ("tiles", "hierarchy")]
+    finally:
+        numba.set_num_threads(before)
+    for answer in answers:
+        assert answer.face.tobytes() == expected.face.tobytes()
+        assert answer.depth.tobytes() == expected.depth.tobytes()
+
+
+@pytest.mark.jit
+def test_instances_are_laid_out_in_batches(make_scene, monkeypatch):
+    strewn = {"count": 60, "x": [-3.0, 3.0], "z": [-9.0, 2.0], "seed": 1}
+    view = hsr.view(make_scene([mesh(4, 30, 0.2) | {"scatter": strewn}]), (70, 50))
+    expected = cast(view)
+    monkeypatch.setattr(raycast, "BATCH", 100)
+    assert (cast(view).face == expected.face).all()
+    assert (cast(view, "hierarchy").face == expected.face).all()
+
+
+def test_a_hierarchy_is_built_once_a_shape(make_scene):
+    view = hsr.view(make_scene([mesh(5, 50)]), (4, 4))
+    shape = view.placements[0].shape
+    assert shape not in raycast._built
+    cast(view)
+    built = raycast._built[shape]
+    cast(view, "hierarchy")
+    assert raycast._built[shape] is built
+
+
+def test_an_unknown_acceleration_is_refused():
+    with pytest.raises(MethodError, match="choose one of tiles, hierarchy, extents, none"):
+        Options("octree")
+
+
+def test_far_is_a_plane_and_infinity_is_the_background(make_scene):
+    answer = agreed(hsr.view(make_scene([SPHERE], eye=[0.0, 0.0, 5.0]), (3, 3)))
+    assert answer.face[0, 0] == -1
+    assert answer.depth[0, 0] == math.inf

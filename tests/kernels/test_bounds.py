@@ -1,0 +1,136 @@
+"""Extents must hold what is in them, touched edges and corners included."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from hsr.kernels.bounds import (
+    NOWHERE,
+    Beam,
+    box_entry,
+    corner_of,
+    nearness_of,
+    reach_box,
+    reach_triangle,
+    samples_of,
+)
+from hsr.kernels.hierarchy import NODE
+from hsr.kernels.rays import reciprocal
+
+SCREEN = np.array([[8.0, 0, 0, 0], [0, -8.0, 0, 0], [0, 0, -1.0, 0]])
+"""Eye at the origin, looking along -z, eight pixels for a slope of 1."""
+
+
+def box(low, high):
+    node = np.zeros(1, NODE)
+    node["low"], node["high"] = low, high
+    return node[0]
+
+
+def enter(cube, o, d, near=0.0, far=math.inf, margin=0.0):
+    inverse = tuple(reciprocal(float(x)) for x in d)
+    return box_entry(cube, Beam(tuple(map(float, o)), inverse, (margin,) * 3, near, far))
+
+
+CUBE = box([-1.0] * 3, [1.0] * 3)
+
+
+def test_entry_of_a_ray():
+    assert enter(CUBE, (0, 0, 4), (0, 0, -2)) == 1.5
+    assert enter(CUBE, (0, 0, 0), (0, 0, -1), near=0.25) == 0.25
+    assert enter(CUBE, (0, 0, 4), (0, 0, 1)) == math.inf
+    assert enter(CUBE, (0, 0, 4), (0, 0, -1), far=2.0) == math.inf
+    assert enter(CUBE, (0, 0, 4), (0, 0, -1), near=6.0) == math.inf
+
+
+@pytest.mark.parametrize("zero", [0.0, -0.0, 5e-324])
+@pytest.mark.parametrize("edge", [(1.0, 1.0), (1.0, -1.0), (-1.0, 0.5), (0.0, 1.0)])
+def test_rays_within_a_face_or_along_an_edge_meet_the_closed_box(zero, edge):
+    assert enter(CUBE, (*edge, 4), (zero, zero, -1)) == 3.0
+    beyond = (math.nextafter(1.0, 2.0), edge[1])
+    assert enter(CUBE, (*beyond, 4), (zero, zero, -1)) == math.inf
+
+
+def test_flat_boxes():
+    flat = box([-1.0, -1.0, 0.0], [1.0, 1.0, 0.0])
+    assert enter(flat, (0, 0, 2), (0, 0, -1)) == 2.0
+    assert enter(flat, (-3, 0, 0), (1, 0, 0)) == 2.0
+
+
+def test_no_ray_that_exactly_grazes_a_corner_is_lost():
+    random = np.random.default_rng(2)
+    for _ in range(4000):
+        high = random.integers(1, 2**20, 3).astype(float)
+        corner = random.choice([-1, 1], 3) * high
+        d = random.integers(-(2**10), 2**10, 3).astype(float)
+        k = float(random.integers(1, 2**10))
+        assert enter(box(-high, high), corner - k * d, d, far=2.0**30) < math.inf
+
+
+def test_a_beam_is_as_thick_as_its_margin():
+    assert enter(CUBE, (1.25, 0, 4), (0, 0, -1), margin=0.25) == 2.75
+    assert enter(CUBE, (1.3, 0, 4), (0, 0, -1), margin=0.25) == math.inf
+
+
+def test_nearness_grows_as_depth_shrinks():
+    assert [nearness_of(d, True) for d in (4.0, 0.5, 0.0, -1.0)] == [0.25, 2.0, math.inf, math.inf]
+    assert nearness_of(-3.0, False) == 3.0
+
+
+def test_samples_within_a_reach():
+    assert samples_of(-1.5, 0.5, 4) == (0, 2)
+    assert samples_of(-1.49, 0.49, 4) == (1, 1)
+    assert samples_of(-9.0, math.inf, 4) == (0, 3)
+    first, last = samples_of(0.6, 1.4, 4)
+    assert first > last
+    first, last = samples_of(math.inf, -math.inf, 4)
+    assert first > last
+
+
+def corners(*points, perspective=True):
+    return [corner_of(SCREEN, *map(float, p), perspective) for p in points]
+
+
+def test_reach_of_a_triangle_in_front_of_the_eye():
+    reach = reach_triangle(*corners((0, 0, -1), (1, 0, -2), (0, 1, -4)), True, 0.5)
+    assert tuple(reach) == (0.0, 4.0, -2.0, 0.0, 1.0)
+
+
+def test_reach_of_a_triangle_behind_the_eye_is_nowhere():
+    assert reach_triangle(*corners((0, 0, 1), (1, 0, 2), (0, 1, 4)), True, 0.5) == NOWHERE
+
+
+def test_reach_of_what_crosses_near_holds_the_visible_part():
+    random = np.random.default_rng(3)
+    for _ in range(200):
+        points = random.normal(size=(3, 3)) * [2.0, 2.0, 3.0]
+        reach = reach_triangle(*corners(*points), True, 0.5)
+        for weights in random.dirichlet([1.0, 1.0, 1.0], 60):
+            x, y, z = weights @ points
+            if -z >= 0.5:
+                assert reach.left <= 8 * x / -z + 1e-9
+                assert reach.right >= 8 * x / -z - 1e-9
+                assert reach.top <= -8 * y / -z + 1e-9
+                assert reach.bottom >= -8 * y / -z - 1e-9
+                assert reach.nearest >= 1 / -z - 1e-9
+
+
+@pytest.mark.parametrize("perspective", [True, False])
+def test_reach_of_a_box_is_that_of_its_corners(perspective):
+    low, high = (-1.0, 0.0, -4.0), (2.0, 1.0, -2.0)
+    reach = reach_box(SCREEN, low, high, perspective, 0.5)
+    ends = zip(low, high, strict=True)
+    seen = np.array([corner_of(SCREEN, *p, perspective) for p in itertools.product(*ends)])
+    x, y = (seen[:, :2] * seen[:, 3:] if perspective else seen[:, :2]).T
+    assert tuple(reach) == (x.min(), x.max(), y.min(), y.max(), seen[:, 3].max())
+
+
+def test_reach_of_a_box_around_the_eye_is_wide():
+    reach = reach_box(SCREEN, (-3.0, -3.0, -3.0), (3.0, 3.0, 3.0), True, 0.5)
+    assert reach.left <= -48.0
+    assert reach.right >= 48.0
+    assert reach.nearest == 2.0
