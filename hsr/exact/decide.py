@@ -7,7 +7,7 @@ sample, and what bounds it are forms that must not be negative there.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cmp_to_key
 from itertools import combinations, pairwise
@@ -31,8 +31,6 @@ class Piece:
 
     Attributes
     ----------
-    number : int
-        By which its owner knows it.
     face : int
     surface : tuple
         Pieces of equal surface coincide wherever both are.
@@ -42,14 +40,16 @@ class Piece:
         Not negative at the samples where the piece may be, r among them; asked before zeta.
     inside : tuple of Form
         Not negative on the piece.
+    number : int
+        By which :func:`decide` names it.
     """
 
-    number: int
     face: int
-    surface: tuple[Hashable, ...]
+    surface: tuple[int, ...]
     zeta: Surd
     extent: tuple[Polynomial, ...] = ()
     inside: tuple[Form, ...] = ()
+    number: int = BACKGROUND
 
     def depth_at(self, spot: Spot) -> Surd | None:
         """Return zeta of the piece just beside a sample, None where it is not."""

@@ -11,13 +11,13 @@ from hsr.exact.decide import Piece
 from hsr.exact.doubled import bits, depths, split
 from hsr.exact.germs import coefficients
 from hsr.exact.numbers import Frame
-from hsr.exact.ties import Problem
+from hsr.exact.problem import Problem
 
 GUARD = 70
 """Bits beyond those that the subtraction in p + q sqrt(r) can cancel."""
 
 
-def depths_of(frame: Frame, problem: Problem, owner: Ints) -> Floats:
+def depths_of(problem: Problem, owner: Ints) -> Floats:
     """Return the depth (H W,) of the piece ``owner`` of every sample, infinite for the background.
 
     Each is rounded from a number within 2^-60 of the true depth, relative to it: the error is less
@@ -26,12 +26,11 @@ def depths_of(frame: Frame, problem: Problem, owner: Ints) -> Floats:
     depth = np.full(len(owner), np.inf)
     owned = np.flatnonzero(owner >= 0)
     owners, which = np.unique(owner[owned], return_inverse=True)
-    row, column = np.divmod(owned, len(problem.i))
     surds = np.concatenate([_flat_surds(problem, owners), _curved_surds(problem, owners)])
-    depth[owned] = depths(surds, _forms(frame), which, problem.i[column], problem.j[row])
+    depth[owned] = depths(surds, _forms(problem.frame), which, *problem.at(owned))
     unsure = np.flatnonzero(np.isnan(depth))
-    for sample, i, j in zip(unsure, *problem.at(unsure), strict=True):
-        above, below = depth_quotient(frame, problem.piece(int(owner[sample])), i, j)
+    for sample, i, j in zip(unsure, *problem.exactly_at(unsure), strict=True):
+        above, below = depth_quotient(problem.frame, problem.piece(int(owner[sample])), i, j)
         depth[sample] = above / below
     return depth
 

@@ -1,8 +1,8 @@
 """What float64 can prove: for every sample, the pieces that may be nearest there.
 
 Every bound below is a forward analysis (Higham, "Accuracy and Stability of Numerical Algorithms",
-section 3.1) with u = 2^-53 and every coefficient the float64 nearest to the true one, i and j being
-exact. A sum of n products, each of m numbers that carry a rounding, is off by at most
+section 3.1) with u = 2^-53; i and j are exact, and every coefficient is rounded once or twice. A sum
+of n products, rounded m times in all on the way into each, is off by at most
 (n + m) u / (1 - (n + m) u) times the sum of their absolute values. Here n + m <= 9, and ``ROUNDING``
 is 16 u: that also covers the roundings of the bound itself and of what it is compared with. Against
 underflow, coefficients are scaled to at most 1 and bounds are at least ``TINY``.
@@ -21,7 +21,7 @@ import numpy as np
 from hsr.arrays import Array, Bools, Floats, Ints
 from hsr.exact.decide import Piece
 from hsr.exact.germs import Polynomial, coefficients
-from hsr.exact.planes import Triangles, ratio
+from hsr.exact.planes import Triangles, bounds, ratio
 from hsr.exact.quadrics import Round
 from hsr.jit import jit
 
@@ -100,7 +100,7 @@ def triangle_tables(triangles: Triangles, nearer: int, width: int, height: int) 
     """Round the triangles to float64."""
     half = np.zeros(triangles.half.shape)
     half[:, :, 2] = 1.0
-    told = (triangles.half[:, :, :2] != 0).any(axis=2)
+    told = bounds(triangles.half)
     half[told] = _proportions(triangles.half[told])
     # What is left out is far below the slack; it would overflow as a divisor.
     half[np.abs(half) < TINY_SLOPE] = 0.0
@@ -114,8 +114,12 @@ def triangle_tables(triangles: Triangles, nearer: int, width: int, height: int) 
 
 
 def _proportions(half: Array) -> Floats:
-    """Divide coefficients (n, 3) by the greatest of each row."""
-    return np.asarray(half / np.abs(half).max(axis=1, keepdims=True), dtype=np.float64)
+    """Scale the greatest coefficient of each row (n, 3) to 1; each is rounded twice."""
+    try:
+        rounded = half.astype(np.float64)
+    except OverflowError:
+        rounded = (half / np.abs(half).max(axis=1, keepdims=True)).astype(np.float64)
+    return np.asarray(rounded / np.abs(rounded).max(axis=1, keepdims=True))
 
 
 @jit

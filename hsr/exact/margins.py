@@ -13,9 +13,7 @@ from hsr.errors import ViewError
 from hsr.exact.decide import Piece
 from hsr.exact.depths import depth_quotient
 from hsr.exact.germs import Polynomial, beside
-from hsr.exact.numbers import Frame
-from hsr.exact.oracle import problem_of
-from hsr.exact.ties import Problem
+from hsr.exact.problem import Problem, problem_of
 from hsr.viewing import View
 
 REACH = 1.0
@@ -58,7 +56,7 @@ class Margins:
 
 
 @lru_cache(maxsize=1)
-def _problem(view: View) -> tuple[Frame, Problem]:
+def _problem(view: View) -> Problem:
     """Set up a view; kept for the next sample of it."""
     return problem_of(view)
 
@@ -83,14 +81,14 @@ def margins(view: View, row: int, column: int) -> Margins:
     """
     if not (0 <= row < view.height and 0 <= column < view.width):
         raise ViewError(f"no sample at row {row}, column {column}: the image is {view.width}x{view.height}")
-    frame, problem = _problem(view)
+    problem = _problem(view)
     i, j = int(problem.i[column]), int(problem.j[row])
     found: list[tuple[Fraction, FaceMargin]] = []
     missed: list[FaceMargin] = []
     for piece in _near(problem, row, column):
         edges = tuple(_pixels(polynomial, i, j) for polynomial in piece.extent)
         if piece.depth_at(beside(i, j)) is not None:
-            depth = Fraction(*depth_quotient(frame, piece, i, j))
+            depth = Fraction(*depth_quotient(problem.frame, piece, i, j))
             found.append((depth, FaceMargin(piece.face, edges, float(depth))))
         elif min(edges) > -REACH:
             missed.append(FaceMargin(piece.face, edges, None))

@@ -74,8 +74,8 @@ class Triangles:
     def piece(self, triangle: int, halves: Iterable[int] = range(HALVES)) -> Piece:
         """Return a triangle, or the intersection of some of its half-planes, as a piece."""
         zeta = Surd(affine(self.zeta[triangle]), NOTHING, NOTHING, constant(self.det[triangle]))
-        extent = tuple(affine(half) for half in self.half[triangle, list(halves)] if half[:2].any())
-        return Piece(triangle, int(self.face[triangle]), self.plane(triangle), zeta, extent)
+        extent = tuple(affine(half) for half in self.half[triangle, list(halves)] if bounds(half))
+        return Piece(int(self.face[triangle]), self.plane(triangle), zeta, extent, number=triangle)
 
 
 def triangles_of(view: View, frame: Frame) -> Triangles:
@@ -120,37 +120,42 @@ def _placed(view: View, frame: Frame, placement: Placement, polygons: Polygons, 
     # A limit that all corners are beyond, all of them in front of the eye, leaves nothing.
     beyond = in_front & np.any(np.all(~inside[vertex], axis=1), axis=1)
     shown = np.any(ahead[vertex], axis=1) & ~beyond & np.all(box[:, :2] <= box[:, 2:], axis=1)
-    cut = ~(np.all(inside[vertex], axis=1) & in_front[:, None])
 
-    edges, zeta, det = _edges(corners, vertex[shown])
+    number, edges, det = _facing(placement, corners, vertex, np.flatnonzero(shown))
+    h = corners[vertex[number], 3][:, :, None]
+    zeta = h[:, 0] * edges[:, 0] + h[:, 1] * edges[:, 1] + h[:, 2] * edges[:, 2]
+    cut = ~(np.all(inside[vertex[number]], axis=1) & in_front[number, None])
+    half = np.concatenate([edges, _within(frame, zeta, det, cut)], axis=1)
+    face = polygons.triangle_face[number] + np.int32(placement.first)
+    return Triangles(half, zeta, det, face, box[number])
+
+
+def _facing(placement: Placement, corners: Array, vertex: Ints, number: Array) -> tuple[Array, Array, Array]:
+    """Leave out what is culled or edge-on, and turn the rest to have a positive det.
+
+    Each line through two corners is computed once, from the lower to the higher of the vertices.
+
+    Returns
+    -------
+    number : (n,) int64
+        Those of the given triangles that are left.
+    edges : (n, 3, 3) object
+        Edge functions against the corners in turn.
+    det : (n,) object
+    """
+    vertex = vertex[number].astype(np.int64)
+    tail, head = vertex[:, [1, 2, 0]], vertex[:, [2, 0, 1]]
+    pairs, line = np.unique(
+        np.minimum(tail, head) * len(corners) + np.maximum(tail, head), return_inverse=True
+    )
+    lines = cross(corners[pairs // len(corners)], corners[pairs % len(corners)])
+    line, rising = line.reshape(vertex.shape), np.where(tail < head, 1, -1)
+    det = (corners[vertex[:, 0], :3] * lines[line[:, 0]]).sum(axis=1) * rising[:, 0]
+
     front = (det < 0) if placement.mirrored else (det > 0)
     drawn = (det != 0) & (front if placement.cull == BACK else ~front if placement.cull == FRONT else True)
-    edges, zeta, det = _towards_eye(edges[drawn], zeta[drawn], det[drawn])
-    kept = np.flatnonzero(shown)[drawn]
-    half = np.concatenate([edges, _within(frame, zeta, det, cut[kept])], axis=1)
-    face = polygons.triangle_face[kept] + np.int32(placement.first)
-    return Triangles(half, zeta, det, face, box[kept])
-
-
-def _edges(corners: Array, vertex: Ints) -> tuple[Array, Array, Array]:
-    """Edge functions (n, 3, 3) against the corners in turn, det zeta (n, 3), and det (n,).
-
-    Each edge of the mesh is computed once, from its lower vertex to the higher.
-    """
-    ends = np.sort(vertex[:, [[1, 2], [2, 0], [0, 1]]], axis=2).astype(np.int64)
-    lines, which = np.unique(ends[:, :, 0] * len(corners) + ends[:, :, 1], return_inverse=True)
-    from_low = cross(corners[lines // len(corners)], corners[lines % len(corners)])
-    rising = np.where(vertex[:, [1, 2, 0]] < vertex[:, [2, 0, 1]], 1, -1)
-    edges = from_low[which.reshape(vertex.shape)] * rising[:, :, None]
-    h = corners[vertex, 3][:, :, None]
-    zeta = h[:, 0] * edges[:, 0] + h[:, 1] * edges[:, 1] + h[:, 2] * edges[:, 2]
-    return edges, zeta, (corners[vertex[:, 0], :3] * edges[:, 0]).sum(axis=1)
-
-
-def _towards_eye(edges: Array, zeta: Array, det: Array) -> tuple[Array, Array, Array]:
-    """Turn the corners of clockwise triangles round, so that det is positive."""
-    side = np.where(det > 0, 1, -1)
-    return edges * side[:, None, None], zeta * side[:, None], det * side
+    side = np.where(det > 0, 1, -1)[:, None] * rising
+    return number[drawn], lines[line[drawn]] * side[drawn][:, :, None], np.abs(det[drawn])
 
 
 def cross(a: Array, b: Array) -> Array:
@@ -168,6 +173,11 @@ def _within(frame: Frame, zeta: Array, det: Array, cut: Bools) -> Array:
         which = cut[:, side]
         half[which, side] = on_planes(limit, zeta[which], det[which])
     return half
+
+
+def bounds(half: Array) -> Array:
+    """Tell of half-planes (..., 3) whether they leave anything out."""
+    return np.asarray((half[..., 0] != 0) | (half[..., 1] != 0) | (half[..., 2] < 0), dtype=np.bool_)
 
 
 def on_planes(form: Array, zeta: Array, det: Array) -> Array:
@@ -206,13 +216,16 @@ def plane_name(form: Sequence[int]) -> tuple[int, ...]:
     return tuple(coefficient // common for coefficient in form)
 
 
+def ratio(numerator: Array, denominator: Array | int) -> Floats:
+    """Divide integers, each quotient rounded once to the nearest float64; infinite if out of range."""
+    try:
+        return np.asarray(numerator / denominator, dtype=np.float64)
+    except OverflowError:
+        return np.asarray(np.frompyfunc(_quotient, 2, 1)(numerator, denominator), dtype=np.float64)
+
+
 def _quotient(numerator: int, denominator: int) -> float:
     try:
         return numerator / denominator
     except OverflowError:
         return float("inf") if (numerator > 0) == (denominator > 0) else float("-inf")
-
-
-def ratio(numerator: Array, denominator: Array | int) -> Floats:
-    """Divide integers, each quotient rounded once to the nearest float64; infinite if out of range."""
-    return np.asarray(np.frompyfunc(_quotient, 2, 1)(numerator, denominator), dtype=np.float64)

@@ -11,7 +11,7 @@ under perspective the line of sight enters there, for a parallel view it leaves.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import gcd
 
@@ -19,7 +19,7 @@ import numpy as np
 
 from hsr.arrays import Array, Ints
 from hsr.exact.decide import Form, Piece
-from hsr.exact.germs import NOTHING, I, J, Polynomial, Surd, affine, constant
+from hsr.exact.germs import NOTHING, I, J, Polynomial, Surd, affine, coefficients, constant
 from hsr.exact.numbers import Frame, integers, inverse
 from hsr.exact.planes import BACK, FRONT, boxes, plane_name
 from hsr.scene.shapes import Kind
@@ -132,23 +132,19 @@ class Quadric:
         square = self.b * self.b - self.a * self.c
         if not self.a.is_zero():
             zeta = Surd(-self.b, constant(side), square, self.a)
-            yield Piece(0, face, self._name(side), zeta, (square,), inside)
+            yield Piece(face, self._name(side), zeta, (square,), inside)
         elif not self.b.is_zero():
             zeta = Surd(-self.c, NOTHING, NOTHING, 2 * self.b)
-            yield Piece(0, face, self._name(side), zeta, (side * self.b,), inside)
+            yield Piece(face, self._name(side), zeta, (side * self.b,), inside)
 
-    def _name(self, side: int) -> tuple[Hashable, ...]:
+    def _name(self, side: int) -> tuple[int, ...]:
         """Name the surface, whatever the scale of its equation."""
-        polynomials = [p.to_dict() for p in (self.a, self.b, self.c)]
-        common = gcd(*(int(value) for terms in polynomials for value in terms.values()))
-        named = [
-            tuple((powers, int(value) // common) for powers, value in terms.items()) for terms in polynomials
-        ]
-        return (side, *named)
+        values = np.concatenate([coefficients(polynomial) for polynomial in (self.a, self.b, self.c)])
+        return (side, *(values // gcd(*values)))
 
     def disc(self, face: int, plane: Form) -> Piece:
         """Return the part of a plane within the quadric: zeta = -l / k where its value is not positive."""
         offset, slope = plane
         value = self.a * offset * offset - 2 * self.b * offset * slope + self.c * slope * slope
-        name = plane_name([*(int(offset[power]) for power in ((1, 0), (0, 1), (0, 0))), int(slope[0, 0])])
-        return Piece(0, face, name, Surd(-offset, NOTHING, NOTHING, slope), (-value,))
+        name = plane_name([*coefficients(offset)[3:], int(slope[0, 0])])
+        return Piece(face, name, Surd(-offset, NOTHING, NOTHING, slope), (-value,))

@@ -8,57 +8,22 @@ they come. Each situation is decided once.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from hsr.arrays import Array, Bools, Floats, Ints
-from hsr.exact.decide import Answer, Piece, decide
-from hsr.exact.filter import Candidates, TriangleTables
-from hsr.exact.planes import HALVES, Triangles
-from hsr.exact.quadrics import Round
-from hsr.visibility import BACKGROUND
+from hsr.exact.decide import Answer, decide
+from hsr.exact.filter import Candidates
+from hsr.exact.planes import HALVES
+from hsr.exact.problem import Problem
 
 CHUNK = 1 << 17
 """Candidates whose integers are held at a time."""
 
 LEVEL_BITS = 26
 """Bits for a depth level in a code, beside 31 for the triangle and one for each half-plane."""
-
-
-@dataclass(frozen=True, eq=False)
-class Problem:
-    """All that may be seen in a view, exact and in float64.
-
-    Attributes
-    ----------
-    triangles : Triangles
-    tables : TriangleTables
-    rounds : sequence of Round
-        Numbered on from the triangles.
-    nearer : int
-        1 if greater zeta is nearer, else -1.
-    i, j : (W,), (H,) int64
-        Coordinates of the columns and rows.
-    """
-
-    triangles: Triangles
-    tables: TriangleTables
-    rounds: Sequence[Round]
-    nearer: int
-    i: Array
-    j: Array
-
-    def at(self, sample: Array) -> tuple[Array, Array]:
-        """Return the coordinates of samples numbered row after row, as Python integers."""
-        row, column = np.divmod(sample, len(self.i))
-        return self.i[column].astype(object), self.j[row].astype(object)
-
-    def piece(self, number: int) -> Piece:
-        """Return a piece by its number."""
-        flat = len(self.triangles)
-        return self.triangles.piece(number) if number < flat else self.rounds[number - flat].piece
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +42,7 @@ class Verdicts:
 
 
 def settle(problem: Problem, found: Candidates, unsettled: Array) -> Iterator[Verdicts]:
-    """Decide samples exactly.
+    """Decide samples exactly; of those that turn out to show the background nothing is said.
 
     Parameters
     ----------
@@ -86,40 +51,49 @@ def settle(problem: Problem, found: Candidates, unsettled: Array) -> Iterator[Ve
     unsettled : (n,) int64
         The samples to decide, ascending.
     """
-    count = np.diff(found.start)[unsettled]
-    entry = np.repeat(found.start[unsettled] - (np.cumsum(count) - count), count) + np.arange(count.sum())
-    sample = np.repeat(unsettled, count)
-    piece, sure = found.piece[entry], found.sure[entry]
+    entry, which = entries(found.start, unsettled)
+    sample, piece, sure = unsettled[which], found.piece[entry], found.sure[entry]
     curved = np.zeros(len(found.start) - 1, dtype=np.bool_)
     curved[sample[piece >= len(problem.triangles)]] = True
-    yield _settle_curved(problem, found, np.flatnonzero(curved))
     flat = ~curved[sample]
-    yield from _settle_flat(problem, sample[flat], piece[flat], sure[flat])
+    if flat.any():
+        yield from _settle_flat(problem, sample[flat], piece[flat], sure[flat])
+    if not flat.all():
+        yield _settle_curved(problem, sample[~flat], piece[~flat], sure[~flat])
+
+
+def entries(start: Array, rows: Array) -> tuple[Array, Array]:
+    """Return the entries of some rows of a list of lists, and which of these rows each is of."""
+    count = np.diff(start)[rows]
+    entry = np.repeat(start[rows] - (np.cumsum(count) - count), count) + np.arange(count.sum())
+    return entry, np.repeat(np.arange(len(rows)), count)
+
+
+def firsts(sample: Array) -> Array:
+    """Return where in a list ordered by sample each sample begins."""
+    return np.flatnonzero(np.diff(sample, prepend=-1))
 
 
 # ---------------------------------------------------------------- curved: one by one
 
 
-def _settle_curved(problem: Problem, found: Candidates, samples: Array) -> Verdicts:
-    """Decide each sample by itself, but for surfaces that coincide on whole areas."""
-    pieces: dict[int, Piece] = {}
-    coinciding: dict[bytes, int] = {}
+def _settle_curved(problem: Problem, sample: Array, piece: Ints, sure: Bools) -> Verdicts:
+    """Decide each sample by itself; but where all pieces coincide, one speaks for all with the same."""
+    pieces = {number: problem.piece(number) for number in np.unique(piece).tolist()}
+    first = firsts(sample)
+    lists = zip(np.split(piece, first[1:]), np.split(sure, first[1:]), strict=True)
+    known: dict[tuple[int, ...], int] = {}
     answers: list[Answer] = []
-    which = np.zeros(len(samples), dtype=np.int64)
-    for n, (sample, i, j) in enumerate(zip(samples, *problem.at(samples), strict=True)):
-        here = slice(found.start[sample], found.start[sample + 1])
-        numbers = found.piece[here]
-        for number in numbers:
-            if number not in pieces:
-                pieces[number] = problem.piece(int(number))
-        present = [pieces[number] for number in numbers]
-        alike = bool(found.sure[here].all()) and len({piece.surface for piece in present}) == 1
-        name = numbers.tobytes() if alike else sample.tobytes() + b"."
-        if name not in coinciding:
-            coinciding[name] = len(answers)
-            answers.append(decide(present, i, j, problem.nearer))
-        which[n] = coinciding[name]
-    return Verdicts(samples, which, answers)
+    which = []
+    for (numbers, certain), i, j in zip(lists, *problem.exactly_at(sample[first]), strict=True):
+        present = [pieces[number] for number in numbers.tolist()]
+        alike = bool(certain.all()) and len({piece.surface for piece in present}) == 1
+        name = tuple(numbers.tolist()) if alike else (-1, i, j)
+        if name not in known:
+            known[name] = len(answers)
+            answers.append(decide(present, i, j, problem.frame.nearer))
+        which.append(known[name])
+    return Verdicts(sample[first], np.array(which, dtype=np.int64), answers)
 
 
 # ---------------------------------------------------------------- planar: by situation
@@ -128,12 +102,9 @@ def _settle_curved(problem: Problem, found: Candidates, samples: Array) -> Verdi
 def _settle_flat(problem: Problem, sample: Array, piece: Ints, sure: Bools) -> Iterator[Verdicts]:
     """Decide samples where only triangles meet; one entry a candidate."""
     edges, inside = _edges_met(problem, sample, piece, sure)
-    bare = (
-        sample[_firsts(sample)][~np.logical_or.reduceat(inside, _firsts(sample))] if len(sample) else sample
-    )
-    yield Verdicts(bare, np.zeros(len(bare), np.int64), [(BACKGROUND, frozenset({BACKGROUND}))])
     sample, piece, edges = sample[inside], piece[inside], edges[inside]
-
+    if not len(sample):
+        return
     order, level = _by_depth(problem, sample, piece)
     sample, piece, edges = sample[order], piece[order], edges[order]
     seen = _down_to_full(sample, level, edges == 0)
@@ -149,7 +120,7 @@ def _edges_met(problem: Problem, sample: Array, piece: Ints, sure: Bools) -> tup
     unsure = np.flatnonzero(~sure)
     for first in range(0, len(unsure), CHUNK):
         some = unsure[first : first + CHUNK]
-        i, j = (ends[:, None] for ends in problem.at(sample[some]))
+        i, j = (ends[:, None] for ends in problem.exactly_at(sample[some]))
         half = problem.triangles.half[piece[some]]
         value = half[:, :, 0] * i + half[:, :, 1] * j + half[:, :, 2]
         edges[some] = (value == 0) @ (1 << np.arange(HALVES))
@@ -178,7 +149,7 @@ def _by_depth(problem: Problem, sample: Array, piece: Ints) -> tuple[Array, Arra
         wrong = wrong[np.diff(wrong, prepend=-2) > 1]
         order[wrong], order[wrong + 1] = order[wrong + 1], order[wrong]
     deeper = np.cumsum(np.concatenate([[0], step])[: len(order)])
-    first = _firsts(sample[order])
+    first = firsts(sample[order])
     return order, deeper - np.repeat(deeper[first], np.diff(first, append=len(order)))
 
 
@@ -191,9 +162,9 @@ def _planes(problem: Problem, piece: Ints) -> Array:
 
 
 def _key(problem: Problem, sample: Array, piece: Ints) -> Floats:
-    row, column = np.divmod(sample, len(problem.i))
+    i, j = problem.at(sample)
     key = problem.tables.key[piece]
-    return np.asarray(key[:, 0] * problem.i[column] + key[:, 1] * problem.j[row] + key[:, 2])
+    return np.asarray(key[:, 0] * i + key[:, 1] * j + key[:, 2])
 
 
 def _steps(problem: Problem, sample: Array, piece: Ints, plane: Array) -> Array:
@@ -216,33 +187,28 @@ def _steps(problem: Problem, sample: Array, piece: Ints, plane: Array) -> Array:
 def _compared(problem: Problem, sample: Array, one: Ints, other: Ints) -> Array:
     """Compare the depths of two triangles' planes exactly."""
     zeta, det = problem.triangles.zeta, problem.triangles.det
-    i, j = problem.at(sample)
+    i, j = problem.exactly_at(sample)
     of_one, of_other = (zeta[t, 0] * i + zeta[t, 1] * j + zeta[t, 2] for t in (one, other))
-    further = (of_one * det[other] - of_other * det[one]) * problem.nearer
+    further = (of_one * det[other] - of_other * det[one]) * problem.frame.nearer
     return np.asarray((further > 0).astype(np.int64) - (further < 0))
 
 
 def _down_to_full(sample: Array, level: Array, full: Bools) -> Bools:
     """Keep what lies no deeper than the first triangle that covers a sample's neighbourhood."""
-    first = _firsts(sample)
-    floor = np.minimum.reduceat(np.where(full, level, len(level)), first) if len(first) else level
+    first = firsts(sample)
+    floor = np.minimum.reduceat(np.where(full, level, len(level)), first)
     return np.asarray(level <= np.repeat(floor, np.diff(first, append=len(sample))))
-
-
-def _firsts(sample: Array) -> Array:
-    """Where in a list ordered by sample each sample begins."""
-    return np.flatnonzero(np.diff(sample, prepend=-1))
 
 
 def _by_situation(problem: Problem, sample: Array, code: Array) -> Iterator[Verdicts]:
     """Decide each situation once: the sequence of codes of a sample's candidates."""
-    first = _firsts(sample)
+    first = firsts(sample)
     count = np.diff(first, append=len(sample))
     for length in np.flatnonzero(np.bincount(count)):
         these = first[count == length]
         rows = code[these[:, None] + np.arange(length)]
         situations, example, which = np.unique(rows, axis=0, return_index=True, return_inverse=True)
-        i, j = problem.at(sample[these[example]])
+        i, j = problem.exactly_at(sample[these[example]])
         answers = [_decide_situation(problem, *case) for case in zip(situations, i, j, strict=True)]
         yield Verdicts(sample[these], which, answers)
 
@@ -254,4 +220,4 @@ def _decide_situation(problem: Problem, situation: Array, i: int, j: int) -> Ans
         edges = code >> LEVEL_BITS & (1 << HALVES) - 1
         halves = [k for k in range(HALVES) if edges >> k & 1]
         pieces.append(problem.triangles.piece(code >> LEVEL_BITS + HALVES, halves))
-    return decide(pieces, i, j, problem.nearer)
+    return decide(pieces, i, j, problem.frame.nearer)

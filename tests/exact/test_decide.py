@@ -12,13 +12,13 @@ from hsr.exact.germs import NOTHING, I, J, Polynomial, Surd, affine, constant
 
 
 def plane(face: int, zeta: Polynomial, *extent: Polynomial) -> Piece:
-    return Piece(face, face, (face,), Surd(zeta, NOTHING, NOTHING, constant(1)), extent)
+    return Piece(face, (face,), Surd(zeta, NOTHING, NOTHING, constant(1)), extent, number=face)
 
 
 def ball(face: int, x: int, y: int) -> Piece:
     """The near half of a sphere of radius 1 seen along the z axis, with zeta growing to the eye."""
     square = 1 - (I - x) ** 2 - (J - y) ** 2
-    return Piece(face, face, (face,), Surd(NOTHING, constant(1), square, constant(1)), (square,))
+    return Piece(face, (face,), Surd(NOTHING, constant(1), square, constant(1)), (square,), number=face)
 
 
 def test_the_nearest_piece_owns_and_the_lowest_of_equals() -> None:

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from hsr.exact.depths import depth_quotient, depths_of
-from hsr.exact.oracle import problem_of, truth
+from hsr.exact.oracle import truth
+from hsr.exact.problem import problem_of
 from hsr.viewing import view
 from tests.exact.hard import CURVED, PLANAR, hard_view, loose_view, scene
 
@@ -18,15 +19,15 @@ from tests.exact.hard import CURVED, PLANAR, hard_view, loose_view, scene
 @pytest.mark.parametrize("seed", range(120, 126))
 def test_doubled_precision_agrees_with_integers(shapes: tuple[str, ...], seed: int) -> None:
     view = (hard_view if seed % 2 else loose_view)(seed, shapes)
-    frame, problem = problem_of(view)
+    problem = problem_of(view)
     grid = [tuple(int(x) for x in problem.at(np.array(k))) for k in range(view.width * view.height)]
     for number in range(len(problem.triangles) + len(problem.rounds)):
         piece = problem.piece(number)
         there = [all(polynomial(*spot) > 0 for polynomial in piece.extent) for spot in grid]
-        depths = depths_of(frame, problem, np.where(there, number, -1).astype(np.int32))
+        depths = depths_of(problem, np.where(there, number, -1).astype(np.int32))
         for spot, depth, is_there in zip(grid, depths.tolist(), there, strict=True):
             if is_there:
-                truth = Fraction(*depth_quotient(frame, piece, *spot))
+                truth = Fraction(*depth_quotient(problem.frame, piece, *spot))
                 assert abs(Fraction(depth) - truth) <= Fraction(0.51) * Fraction(ulp(depth))
             else:
                 assert depth == inf

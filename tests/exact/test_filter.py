@@ -20,7 +20,8 @@ from hsr.exact.filter import (
     round_tables,
 )
 from hsr.exact.germs import beside
-from hsr.exact.oracle import problem_of, settled_by_filter
+from hsr.exact.oracle import settled_by_filter
+from hsr.exact.problem import problem_of
 from tests.exact.hard import CURVED, PLANAR, hard_view, loose_view
 
 unit = st.floats(-1.0, 1.0)
@@ -80,14 +81,14 @@ def test_a_denominator_that_may_vanish_bounds_nothing() -> None:
 @pytest.mark.parametrize("seed", range(100, 112))
 def test_the_owner_is_a_candidate_and_settled_only_if_certain(shapes: tuple[str, ...], seed: int) -> None:
     view = (hard_view if seed % 2 else loose_view)(seed, shapes)
-    frame, problem = problem_of(view)
-    tables = round_tables(problem.rounds, frame.nearer)
+    problem = problem_of(view)
+    tables = round_tables(problem.rounds, problem.frame.nearer)
     found = candidates(problem.tables, tables, view.height, view.width)
     owner, unsettled = settled_by_filter(found)
     everything = [problem.piece(k) for k in range(len(problem.triangles) + len(problem.rounds))]
     for sample in range(view.width * view.height):
         i, j = (int(x) for x in problem.at(np.array(sample)))
-        seen = {piece.number for piece in nearest(everything, beside(i, j), frame.nearer)}
+        seen = {piece.number for piece in nearest(everything, beside(i, j), problem.frame.nearer)}
         assert seen <= set(found.piece[found.start[sample] : found.start[sample + 1]].tolist())
         if sample not in unsettled:
             assert seen == ({int(owner[sample])} if owner[sample] >= 0 else set())
@@ -95,7 +96,7 @@ def test_the_owner_is_a_candidate_and_settled_only_if_certain(shapes: tuple[str,
 
 def test_almost_nothing_is_left_to_decide_where_nothing_ties() -> None:
     view = loose_view(5, (*PLANAR, *CURVED), side=64)
-    frame, problem = problem_of(view)
-    found = candidates(problem.tables, round_tables(problem.rounds, frame.nearer), 64, 64)
+    problem = problem_of(view)
+    found = candidates(problem.tables, round_tables(problem.rounds, problem.frame.nearer), 64, 64)
     assert len(settled_by_filter(found)[1]) == 0
     assert found.start[-1] > 100
