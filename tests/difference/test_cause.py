@@ -147,6 +147,27 @@ def test_the_traversal_is_named(truth: VisibilityMap, monkeypatch: pytest.Monkey
     assert found.counts == {"traversal": found.wrong} and found.wrong > 0
 
 
+def test_embree_is_named_after_its_rounding() -> None:
+    """Far from the origin float32 moves corners; edges that are met exactly are the intersector's."""
+    pytest.importorskip("embreex")
+    seen = prism()
+    found = named(seen, "embree", exact.render(seen, exact.Options()))
+    assert found.counts == {"intersector": found.wrong} and found.wrong > 0
+    away = far_away()
+    found = named(away, "embree", exact.render(away, exact.Options()))
+    assert found.unexplained == 0 and found.reproduced is None
+    assert {"input rounding", "transform"} <= set(found.counts)
+
+
+def far_away() -> View:
+    """A knot of many faces, 10^5 units from the origin."""
+    away = 1e5
+    camera = {"type": "perspective", "eye": [away + 0.3, 0.4, 9.0], "target": [away, 0.0, 0.0]}
+    thing = {"name": "knot", "shape": "torus-knot", "segments": 32, "sides": 6}
+    placed = {**thing, "transform": [{"translate": [away, 0.0, 0.0]}]}
+    return view(Scene.model_validate({"camera": [camera], "object": [placed]}), (64, 64))
+
+
 # ---------------------------------------------------------------- what counts as wrong
 
 

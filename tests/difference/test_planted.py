@@ -91,3 +91,10 @@ def test_opengl_is_explained_where_it_is_modelled(name: str) -> None:
     found = causes(seen, answer, truth)
     assert found.unexplained == 0
     assert found.reproduced
+
+
+@pytest.mark.parametrize("name", VIEWS)
+def test_embree_is_explained(name: str) -> None:
+    pytest.importorskip("embreex")
+    seen, truth = problem(name)
+    assert causes(seen, hsr.render(seen, "embree"), truth).unexplained == 0
