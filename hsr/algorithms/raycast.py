@@ -102,7 +102,7 @@ def render(view: View, options: Options) -> VisibilityMap:
 
 def screen_matrices(view: View) -> Floats:
     """Return the rows column, row and depth (n, 3, 4) that project each object; see ``bounds.corner_of``."""
-    return np.asarray(_placed(view, _shapes(view))["screen"])
+    return np.asarray(_objects(view, _shapes(view))["screen"])
 
 
 def cast_by_list(view: View, samples: Array) -> Ints:
@@ -120,7 +120,7 @@ def cast_by_list(view: View, samples: Array) -> Ints:
         Face ids, -1 for the background.
     """
     shapes = _shapes(view)
-    camera, (objects, _) = _camera(view), _objects(view, shapes)
+    camera, objects = _camera(view), _objects(view, shapes)
     face = np.empty(len(samples), np.int32)
     data = (objects, shapes.planes, shapes.vertices, shapes.triangles)
     for k, (row, column) in enumerate(zip(*np.divmod(samples, view.width), strict=True)):

@@ -152,7 +152,8 @@ def _traced(view: View, answer: VisibilityMap, pipeline: Pipeline, options: Any,
     cause = np.full(len(samples), Cause.UNEXPLAINED, dtype=np.uint8)
     alike = np.arange(len(samples))
     for stage in reversed(pipeline.stages):
-        if not len(alike):
+        untouched = stage.cause == Cause.TESSELLATION and not view.curved
+        if untouched or not len(alike):
             break
         alike = alike[stage.faces(view, options, samples[alike]) == shown[alike]]
         cause[alike] = stage.cause

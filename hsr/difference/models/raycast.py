@@ -31,7 +31,6 @@ from hsr.scene.shapes import Kind
 from hsr.viewing import Placement, View
 
 
-@lru_cache(maxsize=2)
 def _on_screen(view: View) -> View:
     """Return the view of the objects on the screen: (X, Y, depth), X and Y as in ``bounds.corner_of``."""
     width, height = float(view.width), float(view.height)

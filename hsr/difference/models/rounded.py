@@ -13,60 +13,64 @@ from functools import lru_cache
 
 import numpy as np
 
-from hsr.arrays import Array, Bools, Floats, Ints
+from hsr.arrays import Array, Bools, Ints
 from hsr.exact.oracle import truth
 from hsr.scene.shapes import Kind, Polygons, Shape
 from hsr.viewing import Placement, View, WorldPolygons
-
-KEPT = 8
-"""How many answers are kept: the variants of a method share the first stages of their pipelines."""
 
 THIRD = [0.0, 0.0, 1.0, 0.0]
 """The row of a matrix that reads off the third coordinate."""
 
 
-@lru_cache(maxsize=KEPT)
 def true_faces(view: View) -> Ints:
     """Return the exact owner (H W,) of every sample."""
     return truth(view).face.ravel()
 
 
+@lru_cache(maxsize=1)
+def _tessellated_faces(view: View) -> Ints:
+    """Return the exact owner (H W,) of every sample of the tessellated view; kept for the next method."""
+    return true_faces(view.tessellated())
+
+
 def tessellation(view: View, options: object, samples: Array) -> Ints:  # noqa: ARG001
     """Model the stage common to all methods that know no curved shapes."""
-    return true_faces(view.tessellated())[samples]
+    return _tessellated_faces(view)[samples]
 
 
-def of_polygons(view: View, polygons: WorldPolygons) -> View:
+def of_polygons(view: View, polygons: WorldPolygons, chosen: Bools) -> View:
     """Return a view of these polygons in place of its objects, their faces numbered as they are.
 
     Parameters
     ----------
     view : View
     polygons : WorldPolygons
-        In the world of ``view``, counter-clockwise on the screen when front-facing. One of fewer
-        than three corners is left out.
+        In the world of ``view``, counter-clockwise on the screen when front-facing.
+    chosen : (P,) bool
+        Which of them there are; those of fewer than three corners are left out anyway.
 
     Returns
     -------
     View
         For the oracle alone: one object for each way of culling.
     """
-    return replace(view, placements=tuple(_objects(polygons)))
+    return replace(view, placements=tuple(_objects(polygons, chosen)))
 
 
-def _objects(polygons: WorldPolygons) -> Iterator[Placement]:
-    whole = np.diff(polygons.start) >= 3
+def _objects(polygons: WorldPolygons, chosen: Bools) -> Iterator[Placement]:
+    whole = chosen & (np.diff(polygons.start) >= 3)
     for cull in np.unique(polygons.cull):
-        part = _chosen(polygons, whole & (polygons.cull == cull))
+        part = _part(polygons, whole & (polygons.cull == cull))
         shape = Shape(Kind.MESH, "mesh", part)
         yield Placement("", shape, np.eye(4), 0, int(cull), False, (0.0, 0.0, 0.0))
 
 
-def _chosen(polygons: Polygons, which: Bools) -> Polygons:
+def _part(polygons: Polygons, which: Bools) -> Polygons:
     sides = np.diff(polygons.start)
+    used, corner = np.unique(polygons.corner[np.repeat(which, sides)], return_inverse=True)
     return Polygons(
-        polygons.vertices.astype(np.float64),
-        polygons.corner[np.repeat(which, sides)],
+        polygons.vertices[used].astype(np.float64),
+        corner.astype(np.int32),
         np.concatenate([[0], np.cumsum(sides[which])]).astype(np.int32),
         polygons.face[which],
     )

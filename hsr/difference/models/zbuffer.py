@@ -22,7 +22,7 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any
+from itertools import pairwise
 
 import numpy as np
 
@@ -40,70 +40,109 @@ from hsr.kernels import scanline
 from hsr.kernels.clipping import clip_polygons, view_volume
 from hsr.kernels.projection import clip_rows, to_clip, to_screen
 from hsr.viewing import View, WorldPolygons
+from hsr.visibility import BACKGROUND
 
-Real = type[np.floating[Any]]
+BEYOND = Fraction(2)
+"""A window depth beyond all that is drawn."""
 
 
 # ---------------------------------------------------------------- up to the screen
 
 
-@lru_cache(maxsize=2)
-def _in_world(view: View) -> View:
-    return of_polygons(view, view.polygons)
-
-
-@lru_cache(maxsize=2)
-def _in_clip_space(view: View) -> View:
-    vertices = to_clip(view.polygons.vertices, clip_rows(view.clip_from_world, view.depth_row))
-    seen = seen_along_third(view, [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], 1.0)
-    return of_polygons(seen, replace(view.polygons, vertices=vertices))
-
-
-def _clipped(view: View) -> WorldPolygons:
-    """Return the polygons in clip space, cut to the view volume."""
-    polygons = view.polygons
-    clip = to_clip(polygons.vertices, clip_rows(view.clip_from_world, view.depth_row))
-    planes = view_volume(view.near, view.far, view.perspective)
-    vertices, corner, start = clip_polygons(clip, polygons.corner, polygons.start, planes)
-    return replace(polygons, vertices=vertices, corner=corner, start=start)
-
-
-@lru_cache(maxsize=2)
-def _in_clip_space_cut(view: View) -> View:
-    return of_polygons(_in_clip_space(view), _clipped(view))
-
-
-def _on_screen(view: View, real: Real) -> WorldPolygons:
-    """Return the polygons in screen coordinates of type ``real``."""
-    clipped, depths = _clipped(view), (view.near, view.far)
-    screen = to_screen(clipped.vertices, view.perspective, (view.width, view.height), depths, real)
-    return replace(clipped, vertices=screen)
-
-
-@lru_cache(maxsize=2)
-def _screen_view(view: View, real: Real) -> View:
-    # Window depths run from 0 to 1 but for rounding, and are not cut again.
-    return of_polygons(seen_from_front(view, -1.0, 2.0), _on_screen(view, real))
-
-
-def input_rounding(view: View, options: Options, samples: Array) -> Ints:  # noqa: ARG001
+def input_rounding(view: View, options: Options, samples: Array) -> Ints:
     """Model the rounding of world points."""
-    return true_faces(_in_world(view.tessellated()))[samples]
+    view = view.tessellated()
+    return _judged(view, view.polygons, view, options, samples)
 
 
-def transform(view: View, options: Options, samples: Array) -> Ints:  # noqa: ARG001
+def transform(view: View, options: Options, samples: Array) -> Ints:
     """Model the rounding of clip coordinates."""
-    return true_faces(_in_clip_space(view.tessellated()))[samples]
+    view = view.tessellated()
+    polygons = replace(view.polygons, vertices=_clip(view))
+    return _judged(_camera_of_clip_space(view), polygons, view, options, samples)
 
 
-def clipping(view: View, options: Options, samples: Array) -> Ints:  # noqa: ARG001
+def clipping(view: View, options: Options, samples: Array) -> Ints:
     """Model the rounding of the corners that clipping makes."""
-    return true_faces(_in_clip_space_cut(view.tessellated()))[samples]
+    view = view.tessellated()
+    return _judged(_camera_of_clip_space(view), _clipped(view), view, options, samples)
 
 
 def vertex_snapping(view: View, options: Options, samples: Array) -> Ints:
     """Model the rounding of screen coordinates."""
-    return true_faces(_screen_view(view.tessellated(), ARITHMETIC[options.arithmetic]))[samples]
+    view = view.tessellated()
+    # Window depths run from 0 to 1 but for rounding, and are not cut again.
+    return _judged(seen_from_front(view, -1.0, 2.0), _on_screen(view, options), view, options, samples)
+
+
+def _judged(seen: View, polygons: WorldPolygons, view: View, options: Options, samples: Array) -> Ints:
+    """Return the exact owners of samples if these polygons are all there is to see.
+
+    Only those are looked at that the method may draw there, and those that it clips away.
+    """
+    drawn = _on_screen(view, options)
+    chosen = np.diff(drawn.start) < 3
+    chosen[_reaching(view, drawn, samples)[0]] = True
+    return true_faces(of_polygons(seen, polygons, chosen))[samples]
+
+
+def _camera_of_clip_space(view: View) -> View:
+    return seen_along_third(view, [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], 1.0)
+
+
+def _clip(view: View) -> Floats:
+    return to_clip(view.polygons.vertices, clip_rows(view.clip_from_world, view.depth_row))
+
+
+def _clipped(view: View) -> WorldPolygons:
+    """Return the polygons in clip space, cut to the view volume."""
+    polygons, planes = view.polygons, view_volume(view.near, view.far, view.perspective)
+    vertices, corner, start = clip_polygons(_clip(view), polygons.corner, polygons.start, planes)
+    return replace(polygons, vertices=vertices, corner=corner, start=start)
+
+
+def _on_screen(view: View, options: Options) -> WorldPolygons:
+    """Return the clipped polygons in screen coordinates, of the type of the arithmetic."""
+    clipped, size, real = _clipped(view), (view.width, view.height), ARITHMETIC[options.arithmetic]
+    screen = to_screen(clipped.vertices, view.perspective, size, (view.near, view.far), real)
+    return replace(clipped, vertices=screen)
+
+
+def _reaching(view: View, polygons: WorldPolygons, samples: Array) -> tuple[Array, Array]:
+    """Find the polygons that can be drawn at one of the samples.
+
+    Returns
+    -------
+    number : (n,) int64
+    box : (n, 4) int64
+        First row and column, and end row and column, that each can be drawn at.
+    """
+    whole = np.flatnonzero(np.diff(polygons.start) >= 3)
+    box = _boxes(view, polygons, polygons.start[whole])
+    asked = np.zeros((view.height + 1, view.width + 1), dtype=np.int64)
+    row, column = np.divmod(samples, view.width)
+    asked[row + 1, column + 1] = 1
+    above_left = asked.cumsum(axis=0).cumsum(axis=1)
+    top, left, bottom, right = box.T
+    inside = (
+        above_left[bottom, right] - above_left[top, right] - above_left[bottom, left] + above_left[top, left]
+    )
+    return whole[inside > 0], box[inside > 0]
+
+
+def _boxes(view: View, polygons: WorldPolygons, first: Ints) -> Array:
+    """Return the rows and columns (n, 4) that the polygons whose corners begin at ``first`` can cover.
+
+    x, below 2 W with the guard band, goes down a side in at most H steps. Each rounds it by at most half
+    an ulp, which is at most W eps; the slope's own rounding adds as much once, and everything before
+    the first step less than a pixel.
+    """
+    points = polygons.vertices[polygons.corner, 1::-1].astype(np.float64)
+    slack = 1.0 + view.width * (view.height + 1) * float(np.finfo(polygons.vertices.dtype).eps)
+    ends = np.array([view.height, view.width])
+    low = np.clip(np.floor(np.minimum.reduceat(points, first) - slack), 0, ends)
+    high = np.clip(np.ceil(np.maximum.reduceat(points, first) + slack), 0, ends)
+    return np.concatenate([low, high], axis=1).astype(np.int64)
 
 
 # ---------------------------------------------------------------- scan conversion
@@ -115,9 +154,9 @@ def fill_rule(view: View, options: Options, samples: Array) -> Ints:
     Of equal depths the lower face id counts.
     """
     view = view.tessellated()
-    polygons = _on_screen(view, ARITHMETIC[options.arithmetic])
+    polygons = _on_screen(view, options)
     planes: dict[int, tuple[Fraction, Fraction, Fraction]] = {}
-    nearest: list[tuple[Fraction, int]] = [(Fraction(2), -1)] * len(samples)
+    nearest: list[tuple[Fraction, int]] = [(BEYOND, BACKGROUND)] * len(samples)
     row, column = np.divmod(samples, view.width)
     for layer in _layers(view, polygons, samples):
         drawn = _drawn_alone(view, polygons, layer, STEPPING[options.stepping])[row, column]
@@ -131,40 +170,21 @@ def fill_rule(view: View, options: Options, samples: Array) -> Ints:
     return np.array([face for _, face in nearest], dtype=np.int32)
 
 
-def _layers(view: View, polygons: WorldPolygons, samples: Array) -> list[Ints]:
+def _layers(view: View, polygons: WorldPolygons, samples: Array) -> list[list[int]]:
     """Share out the polygons so that no two of a layer can be drawn at the same one of the samples."""
-    level = np.full((view.height, view.width), -1, dtype=np.int64)
-    level.ravel()[samples] = 0
+    first_free = np.full((view.height, view.width), -1, dtype=np.int64)
+    first_free.ravel()[samples] = 0
     layers: list[list[int]] = []
-    for i, (top, left, bottom, right) in _boxes(view, polygons):
-        within = level[top:bottom, left:right]
-        first_free = int(within.max(initial=-1))
-        if first_free >= 0:
-            within[within >= 0] = first_free + 1
-            layers.extend([] for _ in range(first_free + 1 - len(layers)))
-            layers[first_free].append(i)
-    return [np.array(layer, dtype=np.int32) for layer in layers]
+    for i, (top, left, bottom, right) in zip(*_reaching(view, polygons, samples), strict=True):
+        within = first_free[top:bottom, left:right]
+        layer = int(within.max())
+        within[within >= 0] = layer + 1
+        layers.extend([] for _ in range(layer + 1 - len(layers)))
+        layers[layer].append(int(i))
+    return layers
 
 
-def _boxes(view: View, polygons: WorldPolygons) -> list[tuple[int, list[int]]]:
-    """Return each polygon's number, and the first and end row and column it can be drawn at.
-
-    x, below 2 W with the guard band, goes down a side in at most H steps. Each rounds it by at most half
-    an ulp, which is at most W eps; the slope's own rounding adds as much once, and everything before
-    the first step less than a pixel.
-    """
-    whole = np.flatnonzero(np.diff(polygons.start) >= 3)
-    first = polygons.start[whole]
-    points = polygons.vertices[polygons.corner, 1::-1].astype(np.float64)
-    slack = 1.0 + view.width * (view.height + 1) * float(np.finfo(polygons.vertices.dtype).eps)
-    ends = np.array([view.height, view.width])
-    low = np.clip(np.floor(np.minimum.reduceat(points, first) - slack), 0, ends)
-    high = np.clip(np.ceil(np.maximum.reduceat(points, first) + slack), 0, ends)
-    boxes = np.concatenate([low, high], axis=1).astype(np.int64).tolist()
-    return list(zip(whole.tolist(), boxes, strict=True))
-
-
-def _drawn_alone(view: View, polygons: WorldPolygons, layer: Ints, mode: int) -> Ints:
+def _drawn_alone(view: View, polygons: WorldPolygons, layer: list[int], mode: int) -> Ints:
     """Scan convert some of the polygons, and return which one (H, W) is drawn at each sample."""
     cull = np.full(len(polygons), scanline.CULL_BOTH, dtype=np.int8)
     cull[layer] = polygons.cull[layer]
@@ -185,8 +205,8 @@ def _plane(polygons: WorldPolygons, i: int) -> tuple[Fraction, Fraction, Fractio
     points = [[Fraction(float(x)) for x in point] for point in polygons.vertices[loop]]
     x, y, z = points[0]
     a = b = c = Fraction(0)
-    for p, q in zip(points[1:-1], points[2:], strict=True):
-        (px, py, pz), (qx, qy, qz) = ([e - o for e, o in zip(end, points[0], strict=True)] for end in (p, q))
+    sides = [[e - o for e, o in zip(point, points[0], strict=True)] for point in points[1:]]
+    for (px, py, pz), (qx, qy, qz) in pairwise(sides):
         a, b, c = a + py * qz - pz * qy, b + pz * qx - px * qz, c + px * qy - py * qx
     z_x, z_y = (-a / c, -b / c) if c else (Fraction(0), Fraction(0))
     return z - z_x * x - z_y * y, z_x / 2, z_y / 2
