@@ -23,10 +23,9 @@ from hsr.exact.depths import depth_quotient
 from hsr.exact.germs import Polynomial, affine, at, beside
 from hsr.exact.margins import REACH, pixels
 from hsr.exact.numbers import Frame, frame_of, integers
-from hsr.exact.oracle import problem_of
 from hsr.exact.planes import cross
+from hsr.exact.problem import Problem, problem_of
 from hsr.exact.quadrics import form
-from hsr.exact.ties import Problem
 from hsr.scene.shapes import Kind, Polygons, Shape
 from hsr.viewing import CULL, Placement, View
 from hsr.visibility import BACKGROUND
@@ -125,7 +124,7 @@ def sight(view: View, row: int, column: int) -> Sight:
         If there is no such sample, or the view has no exact answer.
     """
     near, origin = nearby(view, row, column)
-    _, problem = problem_of(near)
+    problem = problem_of(near)
     line = _Line.of(view, _opened(near), int(problem.i[column]), int(problem.j[row]))
     owner, admissible = _owner(problem, line.i, line.j)
     layers = [*_flat_layers(near, line), *_curved_layers(near, line)]
@@ -141,7 +140,7 @@ def _owner(problem: Problem, i: int, j: int) -> tuple[int, frozenset[int]]:
     """Decide the sample among the pieces that are not surely beside it."""
     pieces = _pieces(problem)
     touching = [piece for piece in pieces if all(int(bound(i, j)) >= 0 for bound in piece.extent)]
-    owner, admissible = decide(touching, i, j, problem.nearer)
+    owner, admissible = decide(touching, i, j, problem.frame.nearer)
     return pieces[owner].face if owner >= 0 else BACKGROUND, admissible
 
 
@@ -308,8 +307,7 @@ def _opened(view: View, cull: str = "none") -> View:
 
 
 def _flat_layers(near: View, line: _Line) -> Iterator[Layer]:
-    _, problem = problem_of(_opened(near))
-    pieces = _pieces(problem)
+    pieces = _pieces(problem_of(_opened(near)))
     for placement in near.placements:
         polygons = placement.shape.polygons
         if polygons is None:
@@ -339,8 +337,7 @@ def _outline(corners: Array, mirrored: bool, line: _Line) -> tuple[str, dict[str
 
 def _curved_layers(near: View, line: _Line) -> Iterator[Layer]:
     for facing, other in ((FRONT, "back"), (BACK, "front")):
-        _, problem = problem_of(_opened(near, cull=other))
-        for this in problem.rounds:
+        for this in problem_of(_opened(near, cull=other)).rounds:
             placement = near.placements[int(near.object_of(np.array(this.piece.face)))]
             edges = _rims(this.piece, placement, line)
             layer = line.layer(this.piece.face, facing, edges, CULLED[placement.cull], [this.piece])
