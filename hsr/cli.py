@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -50,6 +50,7 @@ Methods = Annotated[
     list[str] | None, typer.Option("--method", "-a", help="Method, repeatable; 'hsr algos' lists them.")
 ]
 Size = Annotated[str, typer.Option("--size", help="Image size in pixels, WxH or N.")]
+Sample = Annotated[str, typer.Argument(metavar="X,Y", help="Column and row, counted from 0 at the top left.")]
 CameraName = Annotated[str | None, typer.Option("--camera", help="Camera; the scene's first by default.")]
 
 
@@ -345,6 +346,88 @@ def diff(
         out.print(difference.summary(clusters=None if verbose else 5), markup=False, soft_wrap=True)
     if not difference.same:
         raise typer.Exit(DIFFERS)
+
+
+# ---------------------------------------------------------------- explain, shrink
+
+
+@app.command()
+def explain(
+    scene: Annotated[Path, typer.Argument(help="Scene or mesh file.")],
+    sample: Sample,
+    method: Methods = None,
+    size: Size = "512x512",
+    camera: CameraName = None,
+    as_json: Json = False,
+) -> None:
+    """Tell what lies on one line of sight, and why each method shows what it shows.
+
+    Without -a zbuffer, raycast and, where it runs, opengl are asked.
+    """
+    import hsr
+    from hsr.difference.history import history
+
+    view = hsr.view(hsr.load(scene), _size(size), camera)
+    column, row = _sample(sample, view)
+    told = history(view, row, column, _maps(view, method))
+    if as_json:
+        _print_json({"hsr": 1, "scene": str(scene), **told.to_json()})
+    else:
+        out.print(str(told), markup=False, soft_wrap=True)
+
+
+def _maps(view: View, asked: Sequence[str] | None) -> list[VisibilityMap]:
+    """Render by the methods asked for, or by the first of each family that runs here."""
+    import hsr
+
+    if asked:
+        return [hsr.render(view, name) for name in asked]
+    maps = [hsr.render(view, name) for name in ("zbuffer", "raycast")]
+    with suppress(UnavailableError):
+        maps.append(hsr.render(view, "opengl"))
+    return maps
+
+
+@app.command()
+def shrink(
+    scene: Annotated[Path, typer.Argument(help="Scene or mesh file.")],
+    sample: Sample,
+    a: Annotated[str, typer.Option("-a", help="One method.")],
+    b: Annotated[str, typer.Option("-b", help="The other.")],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Scene to write, .toml; standard output by default.")
+    ] = None,
+    size: Size = "512x512",
+    camera: CameraName = None,
+) -> None:
+    """Find the smallest scene in which two methods still disagree at a sample."""
+    import hsr
+    from hsr.difference.shrink import shrink as smallest
+    from hsr.scene.writing import to_toml, write_scene
+
+    loaded = hsr.load(scene)
+    column, row = _sample(sample, hsr.view(loaded, _size(size), camera))
+    found = smallest(loaded, row, column, a, b, _size(size), camera)
+    if output is None:
+        print(to_toml(found.scene), end="")
+        return
+    write_scene(found.scene, output)
+    kept = "1 face" if len(found.faces) == 1 else f"{len(found.faces)} faces"
+    shown = f"{a} shows {found.shown[0]}, {b} {found.shown[1]}"
+    out.print(f"wrote {output}: {kept} left; {shown}", markup=False, soft_wrap=True)
+
+
+def _sample(text: str, view: View) -> tuple[int, int]:
+    """Read X,Y: column and row of a sample of the image."""
+    from hsr.difference.sight import check_sample
+
+    x, _, y = text.partition(",")
+    try:
+        column, row = int(x), int(y)
+    except ValueError:
+        raise HsrError(f"sample {text!r}: write COLUMN,ROW, such as 311,204") from None
+    check_sample(view, row, column)
+    return column, row
 
 
 # ---------------------------------------------------------------- algos, doctor

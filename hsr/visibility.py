@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -124,11 +124,7 @@ class VisibilityMap:
 
     def name_of(self, face: int) -> str:
         """Return what a person calls a face: ``cube.top``, ``bunny#18211`` or ``background``."""
-        for entry in self.manifest:
-            offset = face - int(entry["first"])
-            if 0 <= offset < int(entry["count"]):
-                return face_name(entry, offset)
-        return "background" if face == BACKGROUND else f"unknown face {face}"
+        return name_in(self.manifest, face)
 
     def save(self, path: str | Path) -> None:
         """Write the map as ``.npz``: the same answer gives the same bytes.
@@ -161,6 +157,15 @@ class VisibilityMap:
         if self.admissible is not None:
             arrays |= {f"tie_{name}": array for name, array in vars(self.admissible).items()}
         return arrays
+
+
+def name_in(manifest: Sequence[Mapping[str, Any]], face: int) -> str:
+    """Return what a person calls a face of the objects of a manifest; see ``VisibilityMap.name_of``."""
+    for entry in manifest:
+        offset = face - int(entry["first"])
+        if 0 <= offset < int(entry["count"]):
+            return face_name(entry, offset)
+    return "background" if face == BACKGROUND else f"unknown face {face}"
 
 
 def face_name(entry: Mapping[str, Any], offset: int) -> str:

@@ -218,3 +218,52 @@ def test_python_and_command_agree(run: Any, tmp_path: Path, scenes: Path) -> Non
     run("render", CUBE, "--size", "20", "-a", "raycast", "-o", str(tmp_path / "m.npz"))
     here = hsr.render(hsr.load(scenes / "cube.toml"), "raycast", size=(20, 20))
     assert np.array_equal(hsr.load_map(tmp_path / "m.npz").face, here.face)
+
+
+def test_explain_tells_the_same_as_text_and_as_json(run: Any) -> None:
+    arguments = ("explain", CUBE, "20,15", "--size", "40x30", "-a", "zbuffer", "-a", "backface")
+    code, text, _ = run(*arguments)
+    assert code == 0 and text.startswith("column 20, row 15 of 40x30: owned by cube.")
+    code, out, _ = run(*arguments, "--json")
+    facts = json.loads(out)
+    assert (code, facts["hsr"], facts["scene"], facts["sample"]) == (0, 1, CUBE, [20, 15])
+    assert [method["method"] for method in facts["methods"]] == ["zbuffer", "backface"]
+    for told in (*facts["methods"], *facts["faces"]):
+        assert told["name"] in text
+    assert all(method["sentence"] in text for method in facts["methods"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (("3",), "sample '3': write COLUMN,ROW, such as 311,204"),
+        (("3,x",), "sample '3,x': write COLUMN,ROW, such as 311,204"),
+        (("40,3",), "no sample at column 40, row 3: the image is 40x30, counted from 0"),
+        (("3,5", "-a", "magic"), "no method is named 'magic'"),
+        (("3,5", "--camera", "no"), "no camera is named 'no'"),
+    ],
+)
+def test_explain_refuses_in_one_line(arguments: tuple[str, ...], line: str, run: Any) -> None:
+    code, out, err = run("explain", CUBE, *arguments, "--size", "40x30")
+    assert code == 2 and out == "" and err.startswith(f"hsr: {line}") and err.count("\n") == 1
+
+
+def test_shrink_writes_a_scene_that_still_disagrees(run: Any, tmp_path: Path) -> None:
+    hidden = tmp_path / "hidden.toml"
+    hidden.write_text(
+        'camera = [{ type = "perspective", eye = [0.0, 0.0, 9.0] }]\n'
+        'object = [{ name = "near", shape = "square", transform = [{ translate = [0.1, 0.0, 3.0] }] },\n'
+        '  { name = "far", shape = "square" }]\n'
+    )
+    small, arguments = tmp_path / "small.toml", (str(hidden), "8,8", "-a", "backface", "-b", "zbuffer")
+    code, out, _ = run("shrink", *arguments, "--size", "16", "-o", str(small))
+    assert code == 0 and out == (f"wrote {small}: 2 faces left; backface shows far, zbuffer near\n")
+    assert run("shrink", *arguments, "--size", "16")[1] == small.read_text()
+    faces = [hsr.render(hsr.load(small), method, (16, 16)).face[8, 8] for method in ("backface", "zbuffer")]
+    assert faces == [1, 0]
+
+
+def test_shrink_of_what_agrees_is_one_line(run: Any) -> None:
+    code, out, err = run("shrink", CUBE, "0,0", "-a", "backface", "-b", "zbuffer", "--size", "16")
+    assert (code, out) == (2, "")
+    assert err == "hsr: backface and zbuffer agree at column 0, row 0: both show background\n"

@@ -60,11 +60,8 @@ def render(view: View, options: Options) -> VisibilityMap:  # noqa: ARG001
     rtcore_scene, mesh_construction = _embreex()
     clock = Clock()
     with clock("prepare"):
-        polygons = view.tessellated().polygons
-        kept = _facing_the_right_way(view, polygons)
-        corner = np.ascontiguousarray(polygons.triangle_vertex[kept])
-        face_of = np.append(polygons.triangle_face[kept], np.int32(BACKGROUND))
-        vertices = _as_float32(polygons.vertices)
+        vertices, corner, face = handed_over(view)
+        face_of = np.append(face, np.int32(BACKGROUND))
     with clock("build"):
         scene = rtcore_scene.EmbreeScene(robust=True)
         mesh_construction.TriangleMesh(scene, vertices, corner)
@@ -74,6 +71,30 @@ def render(view: View, options: Options) -> VisibilityMap:  # noqa: ARG001
         face = face_of[triangle]  # Embree numbers a miss -1: the last entry
     work = {"rays": view.width * view.height, "triangles": len(corner)}
     return VisibilityMap(face, depth, "embree", work, clock.seconds, _notes(view))
+
+
+def handed_over(view: View) -> tuple[Array, Ints, Ints]:
+    """Return the triangles that Embree gets.
+
+    Parameters
+    ----------
+    view : View
+
+    Returns
+    -------
+    vertices : (V, 3) float32, world space
+    corner : (n, 3) int32
+    face : (n,) int32
+
+    Raises
+    ------
+    MethodError
+        If a coordinate is beyond float32.
+    """
+    polygons = view.tessellated().polygons
+    kept = _facing_the_right_way(view, polygons)
+    corner = np.ascontiguousarray(polygons.triangle_vertex[kept])
+    return _as_float32(polygons.vertices), corner, polygons.triangle_face[kept]
 
 
 def _embreex() -> tuple[ModuleType, ModuleType]:
@@ -121,7 +142,7 @@ def _trace(scene: Any, view: View) -> tuple[Ints, Floats]:
     """Triangle (H, W) and depth (H, W) of the nearest hit of each sample's ray; -1 and +inf for a miss."""
     triangle = np.empty((view.height, view.width), dtype=np.int32)
     depth = np.empty((view.height, view.width))
-    for rows, origins, directions in _rays(view):
+    for rows, origins, directions in rays(view):
         hits = scene.run(origins, directions, dists=view.far - view.near, output=True)
         triangle[rows] = hits["primID"].reshape(-1, view.width)
         depth[rows] = view.near + hits["tfar"].reshape(-1, view.width).astype(np.float64)
@@ -129,15 +150,15 @@ def _trace(scene: Any, view: View) -> tuple[Ints, Floats]:
     return triangle, depth
 
 
-def _rays(view: View) -> Iterator[tuple[slice, Array, Array]]:
+def rays(view: View) -> Iterator[tuple[slice, Array, Array]]:
     """Yield bands of rows with their rays: origins at near and directions, (n, 3) float32 each."""
-    rays = view.rays
-    at_near = rays.origin + view.near * rays.direction
+    sight = view.rays
+    at_near = sight.origin + view.near * sight.direction
     x = (2.0 * np.arange(view.width) + 1.0) / view.width - 1.0
     band = max(RAYS_AT_ONCE // view.width, 1)
     for top in range(0, view.height, band):
         y = 1.0 - (2.0 * np.arange(top, min(top + band, view.height)) + 1.0) / view.height
-        yield slice(top, top + band), _at_samples(at_near, x, y), _at_samples(rays.direction, x, y)
+        yield slice(top, top + band), _at_samples(at_near, x, y), _at_samples(sight.direction, x, y)
 
 
 def _at_samples(vectors: Floats, x: Floats, y: Floats) -> Array:

@@ -97,6 +97,39 @@ def render(view: View, options: Options) -> VisibilityMap:
     return VisibilityMap(face, depth, "raycast", counts, clock.seconds, notes)
 
 
+# ---------------------------------------------------------------- asked about single things
+
+
+def screen_matrices(view: View) -> Floats:
+    """Return the rows column, row and depth (n, 3, 4) that project each object; see ``bounds.corner_of``."""
+    return np.asarray(_objects(view, _shapes(view))["screen"])
+
+
+def cast_by_list(view: View, samples: Array) -> Ints:
+    """Find the face of single samples by the plain object list.
+
+    Parameters
+    ----------
+    view : View
+    samples : (n,) int
+        Numbers ``row * W + column``.
+
+    Returns
+    -------
+    (n,) int32
+        Face ids, -1 for the background.
+    """
+    shapes = _shapes(view)
+    camera, objects = _camera(view), _objects(view, shapes)
+    face = np.empty(len(samples), np.int32)
+    data = (objects, shapes.planes, shapes.vertices, shapes.triangles)
+    for k, (row, column) in enumerate(zip(*np.divmod(samples, view.width), strict=True)):
+        x, y = column + 0.5 - 0.5 * view.width, row + 0.5 - 0.5 * view.height
+        best = rays.nearest_in_list(x, y, camera, *data, False, None)
+        face[k], _ = rays.answer_of(best, camera.perspective)
+    return face
+
+
 # ---------------------------------------------------------------- shapes
 
 

@@ -86,7 +86,7 @@ def margins(view: View, row: int, column: int) -> Margins:
     found: list[tuple[Fraction, FaceMargin]] = []
     missed: list[FaceMargin] = []
     for piece in _near(problem, row, column):
-        edges = tuple(_pixels(polynomial, i, j) for polynomial in piece.extent)
+        edges = tuple(pixels(polynomial, i, j) for polynomial in piece.extent)
         if piece.depth_at(beside(i, j)) is not None:
             depth = Fraction(*depth_quotient(problem.frame, piece, i, j))
             found.append((depth, FaceMargin(piece.face, edges, float(depth))))
@@ -105,7 +105,7 @@ def _near(problem: Problem, row: int, column: int) -> list[Piece]:
     return [problem.piece(int(number)) for number in np.flatnonzero(inside)]
 
 
-def _pixels(polynomial: Polynomial, i: int, j: int) -> float:
+def pixels(polynomial: Polynomial, i: int, j: int) -> float:
     """Distance to where a polynomial vanishes, to first order; a pixel is two units of (i, j).
 
     Infinite if the polynomial is stationary at the sample, as what does not cut is.
@@ -114,4 +114,5 @@ def _pixels(polynomial: Polynomial, i: int, j: int) -> float:
     value, square = int(polynomial(i, j)), slopes[0] ** 2 + slopes[1] ** 2
     if square == 0:
         return float("inf") if value >= 0 else float("-inf")
-    return math.copysign(0.5 * math.sqrt(Fraction(value**2, square)), value)
+    distance = 0.5 * math.sqrt(Fraction(value**2, square))
+    return distance if value >= 0 else -distance

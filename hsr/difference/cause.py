@@ -1,0 +1,167 @@
+"""Why each wrong sample is wrong: the stage of the method's pipeline that makes it so.
+
+A sample is wrong where a method shows an owner that is not admissible. Models of the method's pipeline
+are asked what they show there, from the method itself back to the truth, each doing one stage less as
+the method does it and all the later ones without error. The cause is the stage from which on all deeper
+models show what the method shows. If already the deepest does not, the sample is unexplained: a bug,
+in the method or in its model. There is no tolerance anywhere.
+"""
+
+from __future__ import annotations
+
+import importlib
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from hsr.algorithms.registry import Method, methods
+from hsr.arrays import Array, Pixels
+from hsr.difference.models.stages import Cause, Pipeline
+from hsr.errors import MapError
+from hsr.viewing import View
+from hsr.visibility import VisibilityMap
+
+PIPELINES = {
+    "hsr.algorithms.backface": "hsr.difference.models.backface",
+    "hsr.algorithms.embree": "hsr.difference.models.embree",
+    "hsr.algorithms.opengl": "hsr.difference.models.opengl",
+    "hsr.algorithms.raycast": "hsr.difference.models.raycast",
+    "hsr.algorithms.zbuffer": "hsr.difference.models.zbuffer",
+}
+"""The module with the ``PIPELINE`` of each method's module. A method without one has no models."""
+
+
+@dataclass(frozen=True, eq=False)
+class Causes:
+    """Why the wrong samples of a map are wrong.
+
+    Attributes
+    ----------
+    method : str
+    cause : (H, W) uint8
+        A :class:`Cause` per sample, 0 where the owner is admissible. Row 0 is the top row.
+    reproduced : bool or None
+        Whether the deepest model shows the faces and depths of the whole map, bit for bit; None if
+        the method has no model of whole maps.
+    """
+
+    method: str
+    cause: Pixels
+    reproduced: bool | None
+
+    @cached_property
+    def counts(self) -> dict[str, int]:
+        """Number of wrong samples of each cause that occurs, by its name, in the order of the stages."""
+        number = np.bincount(self.cause.ravel(), minlength=len(Cause))
+        return {cause.label: int(number[cause]) for cause in Cause if cause and number[cause]}
+
+    @property
+    def wrong(self) -> int:
+        """Number of samples with an owner that is not admissible."""
+        return int(np.count_nonzero(self.cause))
+
+    @property
+    def unexplained(self) -> int:
+        """Number of wrong samples that the deepest model does not show."""
+        return self.counts.get(Cause.UNEXPLAINED.label, 0)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the figures as JSON values."""
+        return {
+            "method": self.method,
+            "wrong": self.wrong,
+            "causes": self.counts,
+            "unexplained": self.unexplained,
+            "reproduced": self.reproduced,
+        }
+
+
+def causes(view: View, answer: VisibilityMap, truth: VisibilityMap, **options: Any) -> Causes:
+    """Say for every wrong sample of a map at which stage of its method it went wrong.
+
+    Parameters
+    ----------
+    view : View
+        What ``answer`` shows; curved shapes not tessellated.
+    answer : VisibilityMap
+        The map that is judged, by the method that it names.
+    truth : VisibilityMap
+        The exact map of the same view, with its admissible owners.
+    **options
+        The options with which the method ran, as for ``render``.
+
+    Returns
+    -------
+    Causes
+        All wrong samples are unexplained if the method has no models.
+
+    Raises
+    ------
+    MapError
+        If the maps have not the size of the view, or ``truth`` knows no admissible owners.
+    MethodError
+        If the method does not have such an option.
+    """
+    _check(view, answer, truth)
+    samples = wrong_samples(answer, truth)
+    cause = np.zeros(answer.face.shape, dtype=np.uint8)
+    method = methods().get(answer.method)
+    pipeline = None if method is None else pipeline_of(method)
+    if method is None or pipeline is None:
+        cause.ravel()[samples] = Cause.UNEXPLAINED
+        return Causes(answer.method, cause, None)
+    chosen = method.options(**options)
+    cause.ravel()[samples] = _traced(view, answer, pipeline, chosen, samples)
+    return Causes(answer.method, cause, _reproduced(view, answer, pipeline, chosen))
+
+
+def _check(view: View, answer: VisibilityMap, truth: VisibilityMap) -> None:
+    for name, shown in (("answer", answer), ("truth", truth)):
+        if shown.face.shape != (view.height, view.width):
+            raise MapError(
+                f"{name}: {shown.method} at {shown.width}x{shown.height} is no map of a view of "
+                f"{view.width}x{view.height}; render it at that size"
+            )
+    if truth.admissible is None:
+        raise MapError(f"truth: a map by {truth.method} does not say who may own ties; render it by 'exact'")
+
+
+def wrong_samples(answer: VisibilityMap, truth: VisibilityMap) -> Array:
+    """Return the numbers ``row * W + column`` (n,) of the samples whose owner is not admissible."""
+    wrong = (answer.face != truth.face).ravel()
+    if truth.admissible is not None:
+        tied = truth.admissible
+        sample = np.repeat(tied.sample, np.diff(tied.start))
+        wrong[sample[answer.face.ravel()[sample] == tied.face]] = False
+    return np.flatnonzero(wrong)
+
+
+def pipeline_of(method: Method) -> Pipeline | None:
+    """Return the models of a method, None if it has none."""
+    if method.module not in PIPELINES:
+        return None
+    pipeline: Pipeline = importlib.import_module(PIPELINES[method.module]).PIPELINE
+    return pipeline
+
+
+def _traced(view: View, answer: VisibilityMap, pipeline: Pipeline, options: Any, samples: Array) -> Pixels:
+    """Go from the deepest model towards the truth, as long as the models show what the method shows."""
+    shown = answer.face.ravel()[samples]
+    cause = np.full(len(samples), Cause.UNEXPLAINED, dtype=np.uint8)
+    alike = np.arange(len(samples))
+    for stage in reversed(pipeline.stages):
+        untouched = stage.cause == Cause.TESSELLATION and not view.curved
+        if untouched or not len(alike):
+            break
+        alike = alike[stage.faces(view, options, samples[alike]) == shown[alike]]
+        cause[alike] = stage.cause
+    return cause
+
+
+def _reproduced(view: View, answer: VisibilityMap, pipeline: Pipeline, options: Any) -> bool | None:
+    if pipeline.whole is None:
+        return None
+    face, depth = pipeline.whole(view, options)
+    return np.array_equal(face, answer.face) and np.array_equal(depth, answer.depth)

@@ -1,0 +1,1 @@
+"""Models of the methods' pipelines, one file a method, each stage by stage."""

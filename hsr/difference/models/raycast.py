@@ -1,0 +1,84 @@
+"""The ray caster, stage by stage.
+
+============  ===================================================================================
+Stage         Model: the exact answer
+============  ===================================================================================
+transform     for the objects carried to the screen by their matrices, as rounded; of meshes the
+              vertices, as rounded
+traversal     the same, but where the plain object list gives another answer than the method,
+              the method's
+intersector   (the method itself)
+============  ===================================================================================
+
+Generic shapes and their rays meet in object space. The rounding of the rays there counts as the
+intersector's, as does that of near and far. The last model is the method run once more: that it shows
+the same proves that the method does not depend on chance, and the other models say at which stage it
+leaves the truth.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from hsr.algorithms.raycast import Options, cast_by_list, render, screen_matrices
+from hsr.arrays import Array, Floats, Ints
+from hsr.difference.models.rounded import seen_along_third, true_faces
+from hsr.difference.models.stages import Cause, Pipeline, Stage
+from hsr.scene.shapes import Kind
+from hsr.viewing import Placement, View
+
+
+def _on_screen(view: View) -> View:
+    """Return the view of the objects on the screen: (X, Y, depth), X and Y as in ``bounds.corner_of``."""
+    width, height = float(view.width), float(view.height)
+    x_row, y_row = [2.0 * height, 0.0, 0.0, 0.0], [0.0, -2.0 * width, 0.0, 0.0]
+    seen = seen_along_third(view, x_row, y_row, width * height)
+    placed = zip(view.placements, screen_matrices(view), strict=True)
+    return replace(seen, placements=tuple(_projected(placement, matrix) for placement, matrix in placed))
+
+
+def _projected(placement: Placement, screen: Floats) -> Placement:
+    polygons = placement.shape.polygons
+    if placement.shape.kind != Kind.MESH or polygons is None:
+        return replace(placement, world_from_object=np.vstack([screen, [0.0, 0.0, 0.0, 1.0]]))
+    x, y, z = polygons.vertices.T[:, :, None]
+    # The order of the sum is that of the method.
+    corners = screen[:, 0] * x + screen[:, 1] * y + screen[:, 2] * z + screen[:, 3]
+    shape = replace(placement.shape, polygons=replace(polygons, vertices=corners))
+    return replace(placement, shape=shape, world_from_object=np.eye(4))
+
+
+def transform(view: View, options: Options, samples: Array) -> Ints:  # noqa: ARG001
+    """Model the rounding of the composed matrices and of projected vertices."""
+    return true_faces(_on_screen(view))[samples]
+
+
+def traversal(view: View, options: Options, samples: Array) -> Ints:
+    """Model what the traversal of the objects may have left out."""
+    own = intersector(view, options, samples)
+    return np.where(cast_by_list(view, samples) == own, transform(view, options, samples), own)
+
+
+@lru_cache(maxsize=1)
+def rendered(view: View, options: Options) -> tuple[Ints, Floats]:
+    """Run the method again: its faces and depths (H, W)."""
+    again = render(view, options)
+    return again.face, again.depth
+
+
+def intersector(view: View, options: Options, samples: Array) -> Ints:
+    """Run the method: the tests of rays with faces, and the comparison of their hits."""
+    return rendered(view, options)[0].ravel()[samples]
+
+
+PIPELINE = Pipeline(
+    (
+        Stage(Cause.TRANSFORM, transform),
+        Stage(Cause.TRAVERSAL, traversal),
+        Stage(Cause.INTERSECTOR, intersector),
+    ),
+    rendered,
+)

@@ -1,0 +1,238 @@
+"""The smallest scene in which two methods still disagree at a sample.
+
+Faces far from the line of sight go first. What is left is cut down by delta debugging (Zeller &
+Hildebrandt, "Simplifying and isolating failure-inducing input", IEEE Transactions on Software
+Engineering, 2002): parts are dropped as long as the two methods show at the sample what they show there
+in the whole scene.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import groupby, pairwise
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from hsr.algorithms.registry import render
+from hsr.arrays import Floats, Ints
+from hsr.difference.sight import nearby
+from hsr.errors import MethodError
+from hsr.scene.gltf import unique
+from hsr.scene.model import Mesh, Object, Scene, Step
+from hsr.scene.shapes import Polygons
+from hsr.scene.transforms import copies
+from hsr.viewing import Placement, View, view
+from hsr.visibility import BACKGROUND, name_in
+
+Item = TypeVar("Item")
+
+
+@dataclass(frozen=True)
+class Shrunk:
+    """A small scene in which two methods disagree at a sample.
+
+    Attributes
+    ----------
+    scene : Scene
+        It has one camera, the one asked for; meshes are written out in object space.
+    faces : tuple of str
+        What each of its faces was called in the scene it came from; a face of which several
+        triangles are left is named as often.
+    shown : tuple of 2 str
+        The faces that the two methods show at the sample, by those names.
+    trials : int
+        How many scenes were tried.
+    """
+
+    scene: Scene
+    faces: tuple[str, ...]
+    shown: tuple[str, str]
+    trials: int
+
+
+def shrink(
+    scene: Scene,
+    row: int,
+    column: int,
+    a: str,
+    b: str,
+    size: tuple[int, int] = (512, 512),
+    camera: str | None = None,
+) -> Shrunk:
+    """Find a smallest scene in which two methods still disagree at a sample, and by the same faces.
+
+    It is one from which no part can be dropped: no triangle, no sphere or cylinder. Other shapes are
+    taken apart into the triangles that their faces are fans of, unless the methods agree on those.
+
+    Parameters
+    ----------
+    scene : Scene
+    row, column : int
+        Row 0 is the top row.
+    a, b : str
+        Names that ``hsr algos`` lists.
+    size : (width, height)
+        In pixels; kept.
+    camera : str, optional
+        Name of the camera, the scene's first by default; kept.
+
+    Returns
+    -------
+    Shrunk
+
+    Raises
+    ------
+    ViewError
+        If there is no such camera or sample.
+    MethodError
+        If a method does not exist, or both show the same face at the sample.
+    UnavailableError
+        If a method needs what this machine lacks.
+    """
+    whole = view(scene, size, camera)
+    bench = _Bench(scene, whole, (row, column), (a, b), camera)
+    near, everything = nearby(whole, row, column)[1], np.arange(whole.faces, dtype=np.int32)
+    shown = bench.shown(whole, everything)
+    if shown[0] == shown[1]:
+        name = name_in(whole.manifest, shown[0])
+        raise MethodError(f"{a} and {b} agree at column {column}, row {row}: both show {name}")
+
+    def as_before(parts: Sequence[_Part]) -> bool:
+        small, origin = bench.scene_of(parts)
+        return bench.shown(bench.view_of(small), origin) == shown
+
+    starts = [bench.parts(near, True), bench.parts(near, False)]
+    parts = next(filter(as_before, filter(None, starts)), bench.parts(everything, False))
+    least, origin = bench.scene_of(minimised(parts, as_before))
+    faces = tuple(name_in(whole.manifest, int(face)) for face in origin)
+    one, other = (name_in(whole.manifest, face) for face in shown)
+    return Shrunk(bench.titled(least, faces), faces, (one, other), bench.trials)
+
+
+def minimised(items: Sequence[Item], holds: Callable[[Sequence[Item]], bool]) -> list[Item]:
+    """Drop items while a property holds: the algorithm ddmin of Zeller & Hildebrandt.
+
+    Parameters
+    ----------
+    items : sequence
+        The property holds of all of them.
+    holds : callable
+        Never asked about no items at all.
+
+    Returns
+    -------
+    list
+        Items of which the property holds, and no longer without any single one of them.
+    """
+    kept, granularity = list(items), 2
+    while len(kept) >= 2:
+        ends = np.linspace(0, len(kept), granularity + 1).astype(int)
+        subsets = [kept[start:end] for start, end in pairwise(ends)]
+        complements = [kept[:start] + kept[end:] for start, end in pairwise(ends)]
+        subset = next(filter(holds, subsets), None)
+        # Of two subsets, each is the other's complement.
+        complement = next(filter(holds, complements), None) if subset is None and granularity > 2 else None
+        if subset is not None:
+            kept, granularity = subset, 2
+        elif complement is not None:
+            kept, granularity = complement, granularity - 1
+        elif granularity < len(kept):
+            granularity = min(2 * granularity, len(kept))
+        else:
+            break
+    return kept
+
+
+class _Part(NamedTuple):
+    """What is kept or dropped as one: a triangle of an object, or with ``WHOLE`` all of it."""
+
+    number: int
+    triangle: int
+
+
+WHOLE = -1
+
+
+class _Bench:
+    """Where small scenes are put together from parts of a scene, and tried."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        view: View,
+        sample: tuple[int, int],
+        methods: tuple[str, str],
+        camera: str | None,
+    ) -> None:
+        self.view, self.sample, self.methods = view, sample, methods
+        self.camera = next(one for one in scene.camera if camera in (None, one.name))
+        self.scene, self.trials = scene, 0
+        self.things = [thing for thing in scene.object for _ in copies(thing)]
+
+    def parts(self, faces: Ints, apart: bool) -> list[_Part]:
+        """Return the parts that these faces belong to; shapes of more than triangles ``apart`` or whole."""
+        found = []
+        for number, placement in enumerate(self.view.placements):
+            polygons = placement.shape.polygons
+            if polygons is not None and (apart or len(polygons.corner) == 3 * len(polygons)):
+                chosen = np.flatnonzero(np.isin(placement.first + polygons.triangle_face, faces))
+                found += [_Part(number, int(triangle)) for triangle in chosen]
+            elif placement.first in faces:
+                found.append(_Part(number, WHOLE))
+        return found
+
+    def view_of(self, small: Scene) -> View:
+        return view(small, (self.view.width, self.view.height))
+
+    def shown(self, seen: View, origin: Ints) -> tuple[int, int]:
+        """Return what the methods show at the sample, as faces of the whole scene."""
+        self.trials += 1
+        one, other = (int(render(seen, method).face[self.sample]) for method in self.methods)
+        name = [*map(int, origin), BACKGROUND]
+        return name[one], name[other]
+
+    def scene_of(self, parts: Sequence[_Part]) -> tuple[Scene, Ints]:
+        """Put parts together; return also the face of the whole scene that each face of theirs is."""
+        things, origin = [], []
+        for number, group in groupby(parts, key=lambda part: part.number):
+            placement, triangles = self.view.placements[number], [part.triangle for part in group]
+            thing, face = self._object_of(self.things[number], placement, triangles)
+            things.append(thing)
+            origin.append(face + np.int32(placement.first))
+        names = unique([thing.name for thing in things])
+        named = (thing.model_copy(update={"name": name}) for thing, name in zip(things, names, strict=True))
+        update = {"camera": (self.camera,), "object": tuple(named)}
+        return self.scene.model_copy(update=update), np.concatenate(origin)
+
+    def _object_of(self, thing: Object, placement: Placement, triangles: list[int]) -> tuple[Object, Ints]:
+        steps = _steps(placement.world_from_object)
+        polygons = placement.shape.polygons
+        if triangles == [WHOLE] or polygons is None:
+            whole = thing.model_copy(update={"name": placement.name, "transform": steps, "scatter": None})
+            return whole, np.arange(placement.shape.faces, dtype=np.int32)
+        vertices, faces = _inline(polygons, triangles)
+        mesh = Mesh(name=placement.name, shape="mesh", vertices=vertices, faces=faces)
+        placed = {"transform": steps, "cull": thing.cull, "colour": thing.colour}
+        mesh = mesh.model_copy(update={key: value for key, value in placed.items() if value})
+        return mesh, polygons.triangle_face[triangles]
+
+    def titled(self, small: Scene, faces: Sequence[str]) -> Scene:
+        """Write into a scene what it shows, and what its faces were called."""
+        (row, column), size = self.sample, f"{self.view.width}x{self.view.height}"
+        title = f"{' and '.join(self.methods)} differ at column {column}, row {row} of {size}"
+        names = [name_in(self.view_of(small).manifest, face) for face in range(len(faces))]
+        was = [f"{new} was {old}" for new, old in zip(names, faces, strict=True) if new != old]
+        about = "Shrunk from a larger scene" + (f", in which {', '.join(was)}." if was else ".")
+        return small.model_copy(update={"title": title, "about": about})
+
+
+def _steps(matrix: Floats) -> tuple[Step, ...]:
+    return () if np.array_equal(matrix, np.eye(4)) else (Step.model_validate({"matrix": matrix.tolist()}),)
+
+
+def _inline(polygons: Polygons, triangles: list[int]) -> tuple[Any, Any]:
+    """Return the vertices and the corners of some of the fan triangles."""
+    used, corner = np.unique(polygons.triangle_vertex[triangles], return_inverse=True)
+    return polygons.vertices[used].tolist(), corner.reshape(-1, 3).tolist()

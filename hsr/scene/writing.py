@@ -1,0 +1,80 @@
+"""Scenes written as TOML: what :func:`hsr.load` reads back to the same numbers, bit by bit."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from hsr.errors import SceneError
+from hsr.scene.model import Scene
+
+INDENT = "  "
+
+
+def to_toml(scene: Scene) -> str:
+    """Write a scene as TOML.
+
+    Only the keys that were given are written, not the defaults. Names of mesh files stay as they
+    are: relative to ``scene.folder``.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    str
+        Its floats have as many digits as tell them from every other float64.
+    """
+    # Unset, not default: -0.0 equals 0.0, and yet is another number.
+    tables = {"hsr": scene.hsr, **scene.model_dump(exclude_unset=True, exclude_none=True)}
+    plain = {key: value for key, value in tables.items() if not _is_tables(value)}
+    parts = [_table(plain)]
+    for key, value in tables.items():
+        if _is_tables(value):
+            parts += [f"[[{key}]]\n{_table(table)}" for table in value]
+    return "\n".join(parts)
+
+
+def write_scene(scene: Scene, path: str | Path) -> None:
+    """Write a scene file, .toml.
+
+    Raises
+    ------
+    SceneError
+        If the file cannot be written.
+    """
+    try:
+        Path(path).write_text(to_toml(scene), encoding="utf-8")
+    except OSError as error:
+        raise SceneError(f"{path}: cannot write the scene: {error.strerror}") from error
+
+
+def _is_tables(value: Any) -> bool:
+    return isinstance(value, tuple) and bool(value) and isinstance(value[0], Mapping)
+
+
+def _table(table: Mapping[str, Any]) -> str:
+    return "".join(f"{key} = {_rows(value)}\n" for key, value in table.items())
+
+
+def _rows(value: Any) -> str:
+    """Write the value of a key; a list of lists or of tables goes one to a line."""
+    if isinstance(value, tuple) and value and isinstance(value[0], tuple | Mapping):
+        return "[\n" + "".join(f"{INDENT}{_inline(entry)},\n" for entry in value) + "]"
+    return _inline(value)
+
+
+def _inline(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{key} = {_inline(entry)}" for key, entry in value.items()) + " }"
+    if isinstance(value, tuple):
+        return "[" + ", ".join(map(_inline, value)) + "]"
+    return _string(value) if isinstance(value, str) else repr(value)
+
+
+def _string(text: str) -> str:
+    """Write a basic string: JSON's escapes are TOML's, but for the delete character."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

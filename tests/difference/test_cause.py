@@ -1,0 +1,237 @@
+"""Causes: errors planted in one stage of a method are named after that stage."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+import pytest
+
+import hsr
+from hsr.algorithms import exact, raycast, zbuffer
+from hsr.difference.cause import Causes, causes, wrong_samples
+from hsr.difference.models import zbuffer as models
+from hsr.difference.models.stages import Cause
+from hsr.errors import MapError, MethodError
+from hsr.kernels import hierarchy, scanline
+from hsr.scene.model import Scene
+from hsr.viewing import View, view
+from hsr.visibility import Admissible, VisibilityMap
+from tests.difference.planted import prism, soup
+
+
+@pytest.fixture(scope="module")
+def truth() -> VisibilityMap:
+    return exact.render(soup(), exact.Options())
+
+
+def named(seen: View, method: str, truth: VisibilityMap, **options: Any) -> Causes:
+    """Render by the method, and ask for the causes."""
+    return causes(seen, hsr.render(seen, method, **options), truth, **options)
+
+
+def coarse(numbers: Any, step: float) -> Any:
+    return np.rint(numbers / step) * step
+
+
+def in_both(monkeypatch: pytest.MonkeyPatch, name: str, change: Callable[[Any], Any]) -> None:
+    """Spoil what a function returns, for the method and for its models."""
+    honest = getattr(zbuffer, name)
+    for module in (zbuffer, models):
+        monkeypatch.setattr(module, name, lambda *given: change(honest(*given)))
+
+
+# ---------------------------------------------------------------- each stage is named
+
+
+def test_input_rounding_is_named(truth: VisibilityMap) -> None:
+    seen = soup()
+    seen.__dict__["polygons"] = replace(seen.polygons, vertices=coarse(seen.polygons.vertices, 2.0**-5))
+    found = named(seen, "zbuffer", truth)
+    assert found.reproduced
+    assert found.counts == {"input rounding": found.wrong} and found.wrong > 0
+
+
+def test_transform_is_named(truth: VisibilityMap, monkeypatch: pytest.MonkeyPatch) -> None:
+    in_both(monkeypatch, "to_clip", lambda clip: coarse(clip, 2.0**-5))
+    found = named(soup(), "zbuffer", truth)
+    assert found.counts == {"transform": found.wrong} and found.wrong > 0
+
+
+def test_clipping_is_named(truth: VisibilityMap, monkeypatch: pytest.MonkeyPatch) -> None:
+    nearer = [0.0, 0.0, 0.0, -0.1]
+    in_both(monkeypatch, "view_volume", lambda planes: np.vstack([planes[0] + nearer, planes[1:]]))
+    found = named(soup(), "zbuffer", truth)
+    assert found.counts == {"clipping": found.wrong} and found.wrong > 0
+
+
+def test_vertex_snapping_is_named(truth: VisibilityMap, monkeypatch: pytest.MonkeyPatch) -> None:
+    in_both(
+        monkeypatch, "to_screen", lambda screen: np.column_stack([coarse(screen[:, :2], 0.25), screen[:, 2]])
+    )
+    found = named(soup(), "zbuffer", truth)
+    assert found.counts == {"vertex snapping": found.wrong} and found.wrong > 0
+
+
+def test_the_fill_rule_is_named(truth: VisibilityMap, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The pixel corner in place of the pixel centre, for all polygons alike."""
+    shift = np.array([0.5, 0.5, 0.0])
+    for name in ("polygon_table", "scan_convert"):
+        honest = getattr(scanline, name)
+        monkeypatch.setattr(
+            scanline, name, lambda screen, *given, honest=honest: honest(screen + shift, *given)
+        )
+    found = named(soup(), "zbuffer", truth)
+    assert set(found.counts) <= {"fill rule", "depth arithmetic"}
+    assert found.counts["fill rule"] > 0.9 * found.wrong > 0
+
+
+def test_depth_arithmetic_is_named(truth: VisibilityMap, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Slopes of depth that are off: planes turn about their topmost corners."""
+    honest = scanline.polygon_table
+
+    def steeper(*given: Any) -> Any:
+        slope, table = honest(*given)
+        return 1.5 * slope, table
+
+    monkeypatch.setattr(scanline, "polygon_table", steeper)
+    found = named(soup(), "zbuffer", truth)
+    assert found.counts == {"depth arithmetic": found.wrong} and found.wrong > 0
+
+
+def ball() -> View:
+    camera = {"type": "perspective", "eye": [0.3, 0.4, 4.0]}
+    thing = {"name": "ball", "shape": "sphere"}
+    scene = {"camera": [camera], "object": [thing], "segments": 12}
+    return view(Scene.model_validate(scene), (32, 32))
+
+
+@pytest.mark.parametrize("method", ["zbuffer", "opengl", "embree", "backface"])
+def test_tessellation_is_named(method: str) -> None:
+    """A map that shows a polyhedron in place of a sphere."""
+    seen = ball()
+    flat = replace(exact.render(seen.tessellated(), exact.Options()), method=method)
+    found = causes(seen, flat, exact.render(seen, exact.Options()))
+    assert found.counts == {"tessellation": found.wrong} and found.wrong > 0
+
+
+def test_the_missing_depth_test_is_named(truth: VisibilityMap) -> None:
+    found = named(soup(), "backface", truth)
+    assert found.counts == {"no depth test": found.wrong} and found.wrong > 0
+
+
+# ---------------------------------------------------------------- rays
+
+
+def test_the_transform_of_rays_is_named(truth: VisibilityMap, monkeypatch: pytest.MonkeyPatch) -> None:
+    honest = raycast._screen_from_world
+    monkeypatch.setattr(raycast, "_screen_from_world", lambda seen: coarse(honest(seen), 0.25))
+    found = named(soup(), "raycast-list", truth)
+    assert found.counts == {"transform": found.wrong} and found.wrong > 0
+
+
+def test_the_traversal_is_named(truth: VisibilityMap, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Extents that have shrunk to points hide what is in them."""
+    honest = hierarchy.boxes_of
+
+    def shrunk(*given: Any) -> Any:
+        low, high = honest(*given)
+        return (low + high) / 2.0, (low + high) / 2.0
+
+    monkeypatch.setattr(hierarchy, "boxes_of", shrunk)
+    monkeypatch.setattr(raycast, "_built", WeakKeyDictionary())
+    found = named(soup(), "raycast-single", truth)
+    assert found.counts == {"traversal": found.wrong} and found.wrong > 0
+
+
+def test_embree_is_named_after_its_rounding() -> None:
+    """Far from the origin float32 moves corners; edges that are met exactly are the intersector's."""
+    pytest.importorskip("embreex")
+    seen = prism()
+    found = named(seen, "embree", exact.render(seen, exact.Options()))
+    assert found.counts == {"intersector": found.wrong} and found.wrong > 0
+    away = far_away()
+    found = named(away, "embree", exact.render(away, exact.Options()))
+    assert found.unexplained == 0 and found.reproduced is None
+    assert {"input rounding", "transform"} <= set(found.counts)
+
+
+def far_away() -> View:
+    """A knot of many faces, 10^5 units from the origin."""
+    away = 1e5
+    camera = {"type": "perspective", "eye": [away + 0.3, 0.4, 9.0], "target": [away, 0.0, 0.0]}
+    thing = {"name": "knot", "shape": "torus-knot", "segments": 32, "sides": 6}
+    placed = {**thing, "transform": [{"translate": [away, 0.0, 0.0]}]}
+    return view(Scene.model_validate({"camera": [camera], "object": [placed]}), (64, 64))
+
+
+# ---------------------------------------------------------------- what counts as wrong
+
+
+def shown(*faces: int, method: str = "zbuffer", **more: Any) -> VisibilityMap:
+    face = np.array([faces], dtype=np.int32)
+    return VisibilityMap(face, np.where(face < 0, np.inf, 1.0), method, **more)
+
+
+def test_an_admissible_owner_is_not_wrong() -> None:
+    tied = Admissible(np.array([1, 2]), np.array([0, 2, 5]), np.array([0, 7, -1, 0, 5], dtype=np.int32))
+    truth = shown(0, 0, 0, 0, admissible=tied)
+    assert wrong_samples(shown(0, 7, 5, 0), truth).tolist() == []
+    assert wrong_samples(shown(7, 5, -1, 7), truth).tolist() == [0, 1, 3]
+
+
+def test_nothing_wrong_has_no_cause() -> None:
+    seen = prism()
+    found = named(seen, "zbuffer", exact.render(seen, exact.Options()))
+    assert (found.cause == Cause.NONE).all()
+    assert found.to_json() == {
+        "method": "zbuffer",
+        "wrong": 0,
+        "causes": {},
+        "unexplained": 0,
+        "reproduced": True,
+    }
+
+
+def test_one_wrong_sample_is_found_where_it_is(truth: VisibilityMap) -> None:
+    seen = soup()
+    answer = hsr.render(seen, "zbuffer")
+    answer.face[20, 30] += 1
+    found = causes(seen, answer, truth)
+    assert np.argwhere(found.cause).tolist() == [[20, 30]]
+    assert found.counts == {"unexplained": 1}
+    assert found.reproduced is False
+
+
+def test_a_depth_that_is_not_the_methods_is_not_reproduced(truth: VisibilityMap) -> None:
+    seen = soup()
+    answer = hsr.render(seen, "zbuffer")
+    answer.depth[20, 30] *= 1.0 + 2.0**-52
+    assert causes(seen, answer, truth).reproduced is False
+
+
+def test_a_method_without_models_is_unexplained(truth: VisibilityMap) -> None:
+    seen = soup()
+    found = causes(seen, VisibilityMap(truth.face + 1, truth.depth, "somebody else's"), truth)
+    assert found.unexplained == found.wrong == truth.face.size
+    assert found.reproduced is None
+
+
+def test_options_are_those_of_the_map(truth: VisibilityMap) -> None:
+    seen = soup()
+    answer = hsr.render(seen, "zbuffer", arithmetic="float32")
+    assert causes(seen, answer, truth, arithmetic="float32").reproduced
+    assert not causes(seen, answer, truth).reproduced
+    with pytest.raises(MethodError, match="no option 'colour'"):
+        causes(seen, answer, truth, colour="red")
+
+
+def test_maps_must_fit(truth: VisibilityMap) -> None:
+    seen = soup()
+    with pytest.raises(MapError, match="zbuffer at 8x8 is no map of a view of 48x48"):
+        causes(seen, hsr.render(prism(), "zbuffer"), truth)
+    with pytest.raises(MapError, match="does not say who may own ties"):
+        causes(seen, hsr.render(seen, "zbuffer"), hsr.render(seen, "raycast"))
