@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
@@ -21,6 +20,9 @@ BACKGROUND = -1
 
 FORMAT = 1
 """The version of the map file."""
+
+TOLD: dict[str, type] = {"method": str, "work": dict, "notes": dict, "manifest": list, "hashes": dict}
+"""What the file tells beside the arrays: fields of :class:`VisibilityMap`, and their types."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +118,7 @@ class VisibilityMap:
         (H, W) bool
             Whether they are the owners here or, at a tie, others who may own it.
         """
-        fine = (face == self.face).ravel()
+        fine: Bools = (face == self.face).ravel()
         if self.admissible is not None:
             tied = np.repeat(self.admissible.sample, np.diff(self.admissible.start))
             fine[tied[face.ravel()[tied] == self.admissible.face]] = True
@@ -136,14 +138,7 @@ class VisibilityMap:
         MapError
             If the file cannot be written.
         """
-        meta = {
-            "hsr": FORMAT,
-            "method": self.method,
-            "work": self.work,
-            "notes": self.notes,
-            "manifest": self.manifest,
-            "hashes": self.hashes,
-        }
+        meta = {"hsr": FORMAT} | {key: getattr(self, key) for key in TOLD}
         text = json.dumps(meta, sort_keys=True, separators=(",", ":"))
         try:
             with Path(path).open("wb") as file:
@@ -190,13 +185,16 @@ def load_map(path: str | Path) -> VisibilityMap:
             ties = [arrays[name] for name in ("tie_sample", "tie_start", "tie_face") if name in arrays]
     except FileNotFoundError:
         raise MapError(f"{path}: no such file; write one with 'hsr render SCENE -o {path}'") from None
-    except (OSError, ValueError, KeyError, TypeError, BadZipFile, EOFError) as error:
+    except Exception as error:  # on a damaged file zipfile, zlib and NumPy raise almost anything
         raise MapError(f"{path}: not a visibility map ({error})") from error
     if not isinstance(meta, dict) or meta.get("hsr") != FORMAT:
         raise MapError(f"{path}: not a visibility map of version {FORMAT}; render it again")
     if face.dtype != np.int32 or depth.dtype != np.float64:
         raise MapError(f"{path}: face must be int32 and depth float64, not {face.dtype}, {depth.dtype}")
-    told = {key: meta[key] for key in ("method", "work", "notes", "manifest", "hashes")}
+    told = {key: meta.get(key) for key in TOLD}
+    for key, value in told.items():
+        if not isinstance(value, TOLD[key]):
+            raise MapError(f"{path}: its entry {key!r} is missing or damaged; render it again")
     return VisibilityMap(face, depth, **told, admissible=Admissible(*ties) if ties else None)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -79,6 +80,23 @@ def test_corrupt_map_is_one_clear_line(tmp_path: Path, content: bytes) -> None:
     (tmp_path / "bad.npz").write_bytes(content)
     with pytest.raises(MapError, match="not a visibility map"):
         load_map(tmp_path / "bad.npz")
+
+
+@pytest.mark.parametrize("damaged", range(40))
+def test_map_with_a_damaged_byte_is_read_or_refused(tmp_path: Path, damaged: int) -> None:
+    small_map().save(tmp_path / "bad.npz")
+    content = bytearray((tmp_path / "bad.npz").read_bytes())
+    content[damaged * len(content) // 40] ^= 0xFF
+    (tmp_path / "bad.npz").write_bytes(content)
+    with suppress(MapError):
+        load_map(tmp_path / "bad.npz")
+
+
+def test_map_without_all_its_entries_is_refused(tmp_path: Path) -> None:
+    arrays = {"face": np.zeros((1, 1), np.int32), "depth": np.zeros((1, 1)), "meta": np.array('{"hsr": 1}')}
+    np.savez(tmp_path / "short.npz", **arrays)
+    with pytest.raises(MapError, match="its entry 'method' is missing or damaged; render it again"):
+        load_map(tmp_path / "short.npz")
 
 
 def test_foreign_archive_is_refused(tmp_path: Path) -> None:
