@@ -191,7 +191,7 @@ def load_map(path: str | Path) -> VisibilityMap:
         raise MapError(f"{path}: not a visibility map of version {FORMAT}; render it again")
     if face.dtype != np.int32 or depth.dtype != np.float64:
         raise MapError(f"{path}: face must be int32 and depth float64, not {face.dtype}, {depth.dtype}")
-    told = {key: meta.get(key) for key in TOLD}
+    told: dict[str, Any] = {key: meta.get(key) for key in TOLD}
     for key, value in told.items():
         if not isinstance(value, TOLD[key]):
             raise MapError(f"{path}: its entry {key!r} is missing or damaged; render it again")
