@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -186,9 +187,7 @@ def _print_renders(rows: Sequence[dict[str, Any]], verbose: bool) -> None:
 def compare(
     scenes: Annotated[list[Path], typer.Argument(help="Scenes or mesh files.")],
     method: Methods = None,
-    ref: Annotated[
-        str | None, typer.Option("--ref", help="Reference method; OpenGL where there is one.")
-    ] = None,
+    ref: Annotated[str, typer.Option("--ref", help="Reference method.")] = "exact",
     size: Size = "512x512",
     camera: CameraName = None,
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Write the report, .html.")] = None,
@@ -206,20 +205,19 @@ def compare(
     """
     import hsr
     from hsr.difference.classes import DIFFERENT
-    from hsr.difference.study import default_reference, study
+    from hsr.difference.study import study
 
     _check_folder(output)
     forbidden = _classes(fail_on, DIFFERENT)
     loaded = [(path, hsr.load(path)) for path in scenes]
     names = method or list(hsr.methods())
-    reference = ref or default_reference(names)
     studies = []
-    with _progress(quiet, len(loaded) * len({*names, reference})) as step:
+    with _progress(quiet, len(loaded) * len({*names, ref})) as step:
         for path, scene in loaded:
             found = study(
                 scene,
                 names,
-                reference,
+                ref,
                 _size(size),
                 camera,
                 name=path.stem,
@@ -227,7 +225,7 @@ def compare(
                 progress=step,
             )
             studies.append(found)
-    _require(studies, {*(method or ()), *([ref] if ref else ())})
+    _require(studies, {*(method or ()), ref})
     if output is not None:
         from hsr.report.page import write_report
 
@@ -287,6 +285,9 @@ def _print_study(found: Study, verbose: bool) -> None:
         counts = (f"{difference.counts[kind]:,}" for kind in DIFFERENT)
         table.add_row(name, f"{difference.different:,}", *counts, f"{difference.largest:,}", render_time)
     out.print(table)
+    for name, why in found.causes.items():
+        if why.wrong:
+            out.print(f"{name}: {_counted(why.counts)}", markup=False, soft_wrap=True)
     for name, reason in found.skipped.items():
         out.print(f"{name}: {reason}", markup=False, soft_wrap=True)
     if verbose:
@@ -303,7 +304,7 @@ def _print_sum(studies: Sequence[Study]) -> None:
     """Print one row a method over all scenes."""
     references = ", ".join(dict.fromkeys(found.reference or "nothing" for found in studies))
     title = f"{len(studies)} scenes, samples that show another face than {references}"
-    table = _table("method", "scenes", "differ", "share", "most of them in", "render", title=title)
+    table = _table("method", "scenes", "differ", "share", "most of them in", "causes", "render", title=title)
     for name in dict.fromkeys(name for found in studies for name in found.methods):
         table.add_row(name, *_sum_cells([found for found in studies if name in found.methods], name))
     out.print(table)
@@ -318,12 +319,20 @@ def _sum_cells(studies: Sequence[Study], name: str) -> tuple[str, ...]:
     total = 1e3 * sum(found.maps[name].seconds["render"] for found in ran)
     judged = [found for found in ran if name in found.differences]
     if not judged:
-        return (str(len(ran)), "reference", "", "", f"{total:,.0f} ms")
+        return (str(len(ran)), "reference", "", "", "", f"{total:,.0f} ms")
     differ = sum(found.differences[name].different for found in judged)
     samples = sum(found.view.width * found.view.height for found in judged)
     worst = max(judged, key=lambda found: found.differences[name].different)
     most = f"{worst.name} {worst.differences[name].different:,}"
-    return (str(len(ran)), f"{differ:,}", f"{differ / samples:.3%}", most, f"{total:,.0f} ms")
+    causes = sum((Counter(found.causes[name].counts) for found in judged if name in found.causes), Counter())
+    why = _counted(causes)
+    return (str(len(ran)), f"{differ:,}", f"{differ / samples:.3%}", most, why, f"{total:,.0f} ms")
+
+
+def _counted(counts: Mapping[str, int]) -> str:
+    """Write counts, the greatest first: ``vertex snapping 192, tessellation 30``."""
+    ordered = sorted(counts.items(), key=lambda item: -item[1])
+    return ", ".join(f"{name} {count:,}" for name, count in ordered)
 
 
 # ---------------------------------------------------------------- diff

@@ -78,6 +78,7 @@ class Method:
 
 
 BUILT_IN = (
+    Method("exact", "exact arithmetic: the truth, and every tie", "hsr.algorithms.exact", {}, True),
     Method("backface", "back-face culling alone: what is left, in file order", "hsr.algorithms.backface"),
     Method("zbuffer", "depth buffer, incremental scan conversion, float64", "hsr.algorithms.zbuffer"),
     Method(

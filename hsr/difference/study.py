@@ -10,9 +10,10 @@ import numpy as np
 
 from hsr.algorithms.registry import Method, method_named
 from hsr.arrays import Array
+from hsr.difference.cause import Causes, causes
 from hsr.difference.classes import Difference, compare
 from hsr.errors import MethodError, UnavailableError
-from hsr.scene.model import Orthographic, Scene, Square
+from hsr.scene.model import Scene
 from hsr.viewing import View, view
 from hsr.visibility import VisibilityMap
 
@@ -48,6 +49,8 @@ class Study:
         the silhouette of a curved shape they rightly differ from methods that do not.
     differences : dict of str to Difference
         Every other map against the reference's.
+    causes : dict of str to Causes
+        Why the wrong samples of every other map are wrong; empty unless the reference is exact.
     agreement : (M, M) int64
         Number of samples at which two methods show different faces, in the order of ``maps``.
     """
@@ -63,6 +66,7 @@ class Study:
     missing: frozenset[str]
     tessellating: tuple[str, ...]
     differences: dict[str, Difference]
+    causes: dict[str, Causes]
     agreement: Array
 
     def to_json(self) -> dict[str, Any]:
@@ -83,6 +87,7 @@ class Study:
             "skipped": self.skipped,
             "tessellating": list(self.tessellating),
             "differences": {name: found.to_json() for name, found in self.differences.items()},
+            "causes": {name: found.to_json() for name, found in self.causes.items()},
             "agreement": {"methods": list(self.maps), "differing": self.agreement.tolist()},
         }
 
@@ -159,28 +164,9 @@ def study(
         frozenset(missing),
         tuple(method.name for method in chosen if problem.curved and not method.curved),
         _differences(maps, reference),
+        _causes(problem, maps, reference),
         _agreement(list(maps.values())),
     )
-
-
-def default_reference(methods: Sequence[str]) -> str:
-    """Return the reference of a comparison that names none.
-
-    OpenGL where it runs: independent of this package and widely used. Elsewhere ``zbuffer`` if it
-    takes part, else the first of the methods.
-
-    Parameters
-    ----------
-    methods : sequence of str
-        The names that take part.
-    """
-    camera = Orthographic(type="orthographic", eye=(0.0, 0.0, 2.0), height=2.0, far=4.0)
-    probe = Scene(camera=(camera,), object=(Square(shape="square", name="square"),))
-    try:
-        method_named("opengl").render(view(probe, (8, 8)))
-    except UnavailableError:
-        return "zbuffer" if "zbuffer" in methods else methods[0]
-    return "opengl"
 
 
 def _run(method: Method, problem: View, patient: bool) -> VisibilityMap:
@@ -198,6 +184,13 @@ def _differences(maps: dict[str, VisibilityMap], reference: str) -> dict[str, Di
     if reference not in maps:
         return {}
     return {name: compare(map, maps[reference]) for name, map in maps.items() if name != reference}
+
+
+def _causes(problem: View, maps: dict[str, VisibilityMap], reference: str) -> dict[str, Causes]:
+    if reference not in maps or maps[reference].admissible is None:
+        return {}
+    truth = maps[reference]
+    return {name: causes(problem, map, truth) for name, map in maps.items() if name != reference}
 
 
 def _agreement(maps: Sequence[VisibilityMap]) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import platform
+from collections import Counter
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -16,6 +17,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from hsr.difference.classes import DIFFERENT, SampleClass
+from hsr.difference.models.stages import Cause
 from hsr.difference.study import Study
 from hsr.errors import HsrError
 from hsr.report.pictures import CLASS_COLOURS, Album, gather
@@ -85,6 +87,8 @@ def _render(studies: Sequence[Study], title: str) -> str:
         methods=list(dict.fromkeys(name for found in studies for name in found.methods)),
         classes=[(kind.label, CLASS_COLOURS[kind], ABOUT[kind]) for kind in CLASS_COLOURS],
         different=DIFFERENT,
+        causes=_causes(studies),
+        unexplained=Cause.UNEXPLAINED.label,
         extent=_extent,
         expected=_expected,
         flat=any(_expected(found, name) for found in studies for name in found.differences),
@@ -111,6 +115,15 @@ ABOUT = {
 def _expected(study: Study, name: str) -> bool:
     """Whether exactly one of a method and the reference puts polygons in place of curved shapes."""
     return (name in study.tessellating) != (study.reference in study.tessellating)
+
+
+def _causes(studies: Sequence[Study]) -> dict[str, Counter[str]]:
+    """Count the wrong samples of every method by cause, over all scenes."""
+    total: dict[str, Counter[str]] = {}
+    for found in studies:
+        for name, why in found.causes.items():
+            total.setdefault(name, Counter()).update(why.counts)
+    return total
 
 
 def _environment(studies: Sequence[Study]) -> dict[str, str]:

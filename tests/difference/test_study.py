@@ -14,7 +14,7 @@ import pytest
 from hsr.algorithms import registry
 from hsr.algorithms.registry import Method
 from hsr.difference import study as module
-from hsr.difference.study import default_reference, study
+from hsr.difference.study import study
 from hsr.errors import MethodError, UnavailableError, ViewError
 from hsr.viewing import View
 from hsr.visibility import VisibilityMap
@@ -124,9 +124,16 @@ def test_json_is_stable(make_scene: Any) -> None:
     assert json.loads(json.dumps(told)) == told
 
 
-@pytest.mark.usefixtures("methods")
-def test_default_reference_is_opengl_where_it_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert default_reference(["left"]) == "opengl"
-    install(monkeypatch, "opengl", refuse(UnavailableError("no driver")))
-    assert default_reference(["left", "right"]) == "left"
-    assert default_reference(["left", "zbuffer"]) == "zbuffer"
+@pytest.mark.jit
+def test_against_the_truth_every_wrong_sample_has_a_cause(make_scene: Any) -> None:
+    scene = make_scene([{"name": "ball", "shape": "sphere"}])
+    found = study(scene, ["zbuffer", "raycast"], "exact", (48, 48))
+    assert found.causes["raycast"].wrong == 0
+    assert set(found.causes["zbuffer"].counts) == {"tessellation"}
+    assert found.causes["zbuffer"].wrong == found.differences["zbuffer"].different > 0
+    assert found.to_json()["causes"]["zbuffer"]["unexplained"] == 0
+
+
+def test_only_the_truth_knows_causes(make_scene: Any) -> None:
+    found = study(make_scene([{"name": "box", "shape": "cube"}]), ["raycast"], "zbuffer", (8, 8))
+    assert found.causes == {}
