@@ -19,6 +19,7 @@ the other models say at which stage it leaves the truth.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
@@ -158,8 +159,9 @@ def fill_rule(view: View, options: Options, samples: Array) -> Ints:
     planes: dict[int, tuple[Fraction, Fraction, Fraction]] = {}
     nearest: list[tuple[Fraction, int]] = [(BEYOND, BACKGROUND)] * len(samples)
     row, column = np.divmod(samples, view.width)
-    for layer in _layers(view, polygons, samples):
-        drawn = _drawn_alone(view, polygons, layer, STEPPING[options.stepping])[row, column]
+    layers = _layers(view, polygons, samples)
+    for drawn_over_image in _drawn(view, polygons, layers, STEPPING[options.stepping]):
+        drawn = drawn_over_image[row, column]
         for k in np.flatnonzero(drawn >= 0):
             i = int(drawn[k])
             if i not in planes:
@@ -184,15 +186,13 @@ def _layers(view: View, polygons: WorldPolygons, samples: Array) -> list[list[in
     return layers
 
 
-def _drawn_alone(view: View, polygons: WorldPolygons, layer: list[int], mode: int) -> Ints:
-    """Scan convert some of the polygons, and return which one (H, W) is drawn at each sample."""
-    cull = np.full(len(polygons), scanline.CULL_BOTH, dtype=np.int8)
-    cull[layer] = polygons.cull[layer]
-    number = np.arange(len(polygons), dtype=np.int32)
-    size = (view.width, view.height)
+def _drawn(view: View, polygons: WorldPolygons, layers: list[list[int]], mode: int) -> Iterator[Ints]:
+    """Scan convert each layer by itself, and yield which polygon (H, W) is drawn at each sample."""
+    number, size = np.arange(len(polygons), dtype=np.int32), (view.width, view.height)
     screen, corner = polygons.vertices, polygons.corner
-    slope, table = scanline.polygon_table(screen, corner, polygons.start, number, cull, size)
-    return scanline.scan_convert(screen, corner, slope, table, size, mode, False)[1]
+    slope, table = scanline.polygon_table(screen, corner, polygons.start, number, polygons.cull, size)
+    for layer in layers:
+        yield scanline.scan_convert(screen, corner, slope[layer], table[layer], size, mode, False)[1]
 
 
 def _plane(polygons: WorldPolygons, i: int) -> tuple[Fraction, Fraction, Fraction]:
