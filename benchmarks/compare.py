@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import json
 import platform
+import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -32,7 +33,7 @@ from hsr.viewing import View
 STAGES = ("prepare", "build", "render", "read")
 DEFAULT = ("zbuffer", "raycast", "raycast-single", "opengl", "embree")
 
-console = Console(highlight=False)
+console = Console(highlight=False, width=None if sys.stdout.isatty() else 130)
 
 
 def fresh(view: View) -> View:
@@ -115,12 +116,29 @@ def show(rows: Sequence[dict[str, Any]]) -> None:
     console.print(table)
 
 
+def markdown(rows: Sequence[dict[str, Any]]) -> str:
+    """Return the medians as the table of the README."""
+    lines = [
+        "| mesh | method | build ms | render ms | against OpenGL | samples that differ |",
+        "|---|---|---:|---:|---:|---:|",
+    ]
+    opengl = {row["scene"]: row["render"]["median"] for row in rows if row["method"] == "opengl"}
+    for row in rows:
+        build = "" if row["build"] is None else f"{row['build']['median']:.1f}"
+        render = row["render"]["median"]
+        faster = f"{opengl[row['scene']] / render:.1f}x" if row["scene"] in opengl else ""
+        name = f"{row['scene']}, {row['faces']:,} triangles"
+        lines.append(f"| {name} | {row['method']} | {build} | {render:.1f} | {faster} | {row['differ']:,} |")
+    return "\n".join(lines)
+
+
 def main(
     scenes: Annotated[list[Path], typer.Argument(help="Scenes or mesh files.")],
     method: Annotated[list[str] | None, typer.Option("--method", "-a", help="Method, repeatable.")] = None,
     size: Annotated[list[int] | None, typer.Option("--size", help="Side in pixels, repeatable.")] = None,
     repeat: Annotated[int, typer.Option("--repeat", min=1, help="Turns of every method.")] = 15,
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Write JSON.")] = None,
+    as_markdown: Annotated[bool, typer.Option("--markdown", help="Print the table of the README.")] = False,
 ) -> None:
     """Compare algorithms on scenes or meshes."""
     try:
@@ -135,7 +153,10 @@ def main(
     except HsrError as error:
         typer.echo(f"compare.py: {error}", err=True)
         raise typer.Exit(2) from None
-    show(rows)
+    if as_markdown:
+        print(markdown([row for row in rows if "skipped" not in row]))
+    else:
+        show(rows)
     if output is not None:
         output.write_text(json.dumps({"hsr": 1, "machine": machine(), "rows": rows}, indent=1) + "\n")
 

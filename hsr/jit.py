@@ -7,8 +7,10 @@ zero an infinity instead of an exception. Compiled kernels are cached on disk.
 
 from __future__ import annotations
 
+import hashlib
 import os
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 # An idle thread of GNU OpenMP spins at its barrier: on a busy machine a 2 ms kernel takes 24 ms.
@@ -18,6 +20,9 @@ os.environ.setdefault("GOMP_SPINCOUNT", "0")
 import numba
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+KERNEL_FOLDERS = ("kernels", "exact")
+"""Folders of this package that hold compiled functions."""
 
 prange = numba.prange
 
@@ -33,3 +38,33 @@ def parallel_jit(function: Function) -> Function:
     The result must not depend on how the iterations are shared out among the threads.
     """
     return cast(Function, numba.njit(cache=True, error_model="numpy", parallel=True)(function))
+
+
+def forget_stale_kernels(package: Path) -> None:
+    """Drop all cached kernels if the source of any kernel has changed since they were compiled.
+
+    Numba looks at the file of a function only. A kernel cached with an older version of another
+    module's function or constant within it would go on computing by that version.
+
+    Parameters
+    ----------
+    package : Path
+        Folder with the folders of kernels. Where it cannot be written there is no cache in it.
+    """
+    folders = [package / name for name in KERNEL_FOLDERS]
+    sources = sorted(file for folder in folders for file in folder.glob("*.py"))
+    fingerprint = hashlib.sha256(b"".join(file.read_bytes() for file in sources)).hexdigest()
+    stamp = package / "kernels" / "__pycache__" / "sources.sha256"
+    try:
+        if stamp.exists() and stamp.read_text(encoding="ascii") == fingerprint:
+            return
+        for folder in folders:
+            for cached in folder.glob("__pycache__/*.nb[ic]"):
+                cached.unlink(missing_ok=True)
+        stamp.parent.mkdir(exist_ok=True)
+        stamp.write_text(fingerprint, encoding="ascii")
+    except OSError:
+        pass
+
+
+forget_stale_kernels(Path(__file__).parent)

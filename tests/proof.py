@@ -183,7 +183,7 @@ class Screen:
 def judge(name: str, view: View) -> Row:
     """Render one planar view by three methods and account for every difference."""
     zbuffer, raycast = hsr.render(view, "zbuffer"), hsr.render(view, "raycast")
-    differ = np.argwhere(zbuffer.face != raycast.face)
+    differ = np.argwhere(zbuffer.face != raycast.face).tolist()
     ties = sum(is_tie(view, r, c, shown(zbuffer, raycast, r, c)) for r, c in differ)
     opengl, near_edge, near_tie = against_opengl(view, zbuffer)
     size = f"{view.width}x{view.height}"
@@ -202,7 +202,7 @@ def against_opengl(view: View, zbuffer: VisibilityMap) -> tuple[int | None, int,
     except UnavailableError:
         return None, 0, 0
     screen, step = Screen(view), float(opengl.notes["depth_format"]["step"])
-    differ = np.argwhere(opengl.face != zbuffer.face)
+    differ = np.argwhere(opengl.face != zbuffer.face).tolist()
     near_edge = near_tie = 0
     for row, column in differ:
         faces = shown(zbuffer, opengl, row, column)
@@ -239,7 +239,8 @@ def with_cameras(path: Path) -> Iterator[tuple[str, hsr.Scene]]:
     size = {"height": 0.8 * distance, "far": 2.0 * distance}
     for name, camera in (("fitted", None), ("close", close | pose), ("parallel", parallel | pose | size)):
         cameras = scene.camera if camera is None else (camera,)
-        yield f"{path.stem}, {name}", type(scene).model_validate({**dict(scene), "camera": cameras})
+        other = hsr.Scene.model_validate({**dict(scene), "camera": cameras})
+        yield f"{path.stem}, {name}", other.located(path.parent)
 
 
 TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])

@@ -22,7 +22,7 @@ REACH = 1.0
 
 @dataclass(frozen=True)
 class FaceMargin:
-    """How a part of a face lies about a sample.
+    """How a part of a face, a triangle of its fan or half of a sphere, lies about a sample.
 
     Attributes
     ----------

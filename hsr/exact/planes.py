@@ -116,15 +116,14 @@ def _placed(view: View, frame: Frame, placement: Placement, polygons: Polygons, 
     inside: Bools = np.asarray(corners @ frame.limits.T >= 0, dtype=np.bool_)
     ahead: Bools = np.asarray(corners[:, 2] > 0, dtype=np.bool_)
     box = boxes(view, corners, vertex, ahead)
-    in_front = np.all(ahead[vertex], axis=1)
-    # A limit that all corners are beyond, all of them in front of the eye, leaves nothing.
-    beyond = in_front & np.any(np.all(~inside[vertex], axis=1), axis=1)
+    # A limit that all corners are beyond leaves nothing, one that all are within cuts nothing.
+    beyond = np.any(np.all(~inside[vertex], axis=1), axis=1)
     shown = np.any(ahead[vertex], axis=1) & ~beyond & np.all(box[:, :2] <= box[:, 2:], axis=1)
 
     number, edges, det = _facing(placement, corners, vertex, np.flatnonzero(shown))
     h = corners[vertex[number], 3][:, :, None]
     zeta = h[:, 0] * edges[:, 0] + h[:, 1] * edges[:, 1] + h[:, 2] * edges[:, 2]
-    cut = ~(np.all(inside[vertex[number]], axis=1) & in_front[number, None])
+    cut = ~np.all(inside[vertex[number]], axis=1)
     half = np.concatenate([edges, _within(frame, zeta, det, cut)], axis=1)
     face = polygons.triangle_face[number] + np.int32(placement.first)
     return Triangles(half, zeta, det, face, box[number])
@@ -205,9 +204,8 @@ def boxes(view: View, corners: Array, vertex: Ints, ahead: Bools) -> Ints:
     )
     whole = np.array([0, 0, view.height - 1, view.width - 1])
     box = np.where(np.all(ahead[vertex], axis=1)[:, None], box, whole)
-    return np.stack([*np.maximum(box[:, :2], 0).T, *np.minimum(box[:, 2:], whole[2:]).T], axis=1).astype(
-        np.int32
-    )
+    first, last = np.maximum(box[:, :2], 0), np.minimum(box[:, 2:], whole[2:])
+    return np.hstack([first, last]).astype(np.int32)
 
 
 def plane_name(form: Sequence[int]) -> tuple[int, ...]:

@@ -75,7 +75,7 @@ def _bounds(frame: Frame, corners: Array, ahead: bool) -> Iterator[Form]:
     if not ahead and frame.nearer > 0:
         yield NOTHING, constant(1)
     for limit in frame.limits:
-        if not ahead or (corners @ limit < 0).any():
+        if (corners @ limit < 0).any():
             yield form(limit)
 
 

@@ -271,7 +271,7 @@ def generic_hit(x: float, y: float, thing: Any, planes: Floats, camera: Camera) 
         t, face = first_hit(span, camera.near, camera.far, cull)
     if face == NO_FACE:
         return -np.inf, NO_FACE
-    return nearness_of(t, camera.perspective), np.int64(thing["first_face"] + face)
+    return nearness_of(t, camera.perspective), int(thing["first_face"] + face)
 
 
 @jit
@@ -286,7 +286,7 @@ def triangle_hit(
     if facet.turn == 0.0:
         return -np.inf, NO_FACE
     nearness = covered_nearness(row_of(facet, y), x, camera.closest)
-    return nearness, np.int64(thing["first_face"] + triangle["face"])
+    return nearness, int(thing["first_face"] + triangle["face"])
 
 
 @jit

@@ -286,7 +286,7 @@ def cast_batch(
 @jit
 def can_show(reach: Any, area: Area, tile: Any) -> bool:
     """Whether something reaches into a tile, and may be nearer than some of what the tile shows."""
-    return (
+    return bool(
         reach["left"] <= area.last_column
         and reach["right"] >= area.column
         and reach["top"] <= area.last_row

@@ -100,6 +100,54 @@ def test_tangent_lines_of_sight_follow_the_limit() -> None:
     assert ties(answer) == {spot: {0, -1} for spot in ((0, 1), (1, 0), (1, 2), (2, 1))}
 
 
+def test_planes_closer_than_float64_can_tell() -> None:
+    # Depth 3 - 2^-53 rounds to 3: the second square is nearer all the same.
+    lifted = {"shape": "square", "transform": [{"translate": [0.0, 0.0, 2.0**-53]}]}
+    assert (truth(seen([{"shape": "square"}, lifted])).face[1:3, 1:3] == 1).all()
+    assert (truth(seen([lifted, {"shape": "square"}])).face[1:3, 1:3] == 0).all()
+
+
+def test_planes_that_cross_at_an_angle_float64_cannot_tell() -> None:
+    shears = [np.eye(4), np.eye(4)]
+    shears[0][2, 0], shears[1][2, 0] = 2.0**-60, -(2.0**-60)
+    answer = truth(seen([{"shape": "square", "transform": [{"matrix": m.tolist()}]} for m in shears], 8))
+    assert answer.face[4].tolist() == [-1, -1, 1, 1, 0, 0, -1, -1]
+    assert not ties(answer)
+
+
+@pytest.mark.parametrize("cull", ["none", "back", "front"])
+@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
+def test_an_eye_on_the_surface(shape: str, cull: str) -> None:
+    eye = {
+        "type": "perspective",
+        "eye": [1.0, 0.0, 0.0],
+        "target": [0.0, 0.25, 0.5],
+        "near": 0.125,
+        "fov": 120.0,
+    }
+    view_ = view(scene([{"shape": shape, "cull": cull}], eye), (5, 5))
+    answer = truth(view_)
+    assert answer.face.tolist() == brute.over_all(view_, brute.owner)
+    assert (answer.face >= 0).any() == (cull != "back")
+
+
+def test_corners_behind_the_eye() -> None:
+    eye = {
+        "type": "perspective",
+        "eye": [0.0, 1.0, 0.0],
+        "target": [0.0, 1.0, -1.0],
+        "near": 0.125,
+        "far": 32.0,
+    }
+    # The first is behind the eye and above it; what is seen of the triangle runs downward all the same.
+    corners = [[0.0, 1.0625, 1.0], [9.0, -3.0, -20.0], [-9.0, -3.0, -20.0]]
+    ground = {"shape": "mesh", "vertices": corners, "faces": [[0, 1, 2]]}
+    view_ = view(scene([ground], eye), (6, 6))
+    answer = truth(view_)
+    assert answer.face.tolist() == brute.over_all(view_, brute.owner)
+    assert 0 < (answer.face == 0).sum() < 36
+
+
 def test_a_camera_without_forward_is_refused() -> None:
     good = seen([{"shape": "square"}])
     with pytest.raises(ViewError, match="does not grow"):
