@@ -79,7 +79,8 @@ def vertex_snapping(view: View, options: Options, samples: Array) -> Ints:
 def _judged(seen: View, polygons: WorldPolygons, view: View, options: Options, samples: Array) -> Ints:
     """Return the exact owners of samples if these polygons are all there is to see.
 
-    Only those are looked at that the method may draw there, and those that it clips away.
+    Only those are looked at that the method may draw there, and those that it clips away: none of the
+    roundings moves a polygon by a pixel.
     """
     drawn = _on_screen(view, options)
     chosen = np.diff(drawn.start) < 3
