@@ -50,7 +50,7 @@ def render(view: View, options: Options) -> VisibilityMap:  # noqa: ARG001
         planes = view_volume(*depths, view.perspective)
         points, corner, start = clip_polygons(clip, polygons.corner, polygons.start, planes)
         screen = to_screen(points, view.perspective, size, depths)
-        triangle, polygon = _triangles(screen, corner, start)
+        triangle, polygon = fans(screen, corner, start)
         face, z, step = rasterise(screen, triangle, polygons.face[polygon], polygons.cull[polygon], size)
         depth = to_depth(z, view.perspective, depths)
     work = {"polygons": len(polygons), "triangles": len(triangle), "buffer_bytes": face.nbytes + z.nbytes}
@@ -58,7 +58,7 @@ def render(view: View, options: Options) -> VisibilityMap:  # noqa: ARG001
     return VisibilityMap(face, depth, "zbuffer-tiles", work, clock.seconds, {"depth_format": stored})
 
 
-def _triangles(screen: Floats, corner: Ints, start: Ints) -> tuple[Ints, Array]:
+def fans(screen: Floats, corner: Ints, start: Ints) -> tuple[Ints, Array]:
     """Fan out what clipping left of the polygons: corners (n, 3), and the polygon (n,) of each."""
     left = np.flatnonzero(np.diff(start))
     rest = Polygons(screen, corner, np.append(start[left], start[-1]), left.astype(np.int32))

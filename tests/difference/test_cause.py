@@ -12,7 +12,8 @@ import pytest
 
 import hsr
 from hsr.algorithms import exact, raycast, zbuffer
-from hsr.difference.cause import Causes, causes, wrong_samples
+from hsr.algorithms.registry import method_named
+from hsr.difference.cause import Causes, causes, pipeline_of, wrong_samples
 from hsr.difference.models import zbuffer as models
 from hsr.difference.models.stages import Cause
 from hsr.errors import MapError, MethodError
@@ -166,6 +167,19 @@ def far_away() -> View:
     thing = {"name": "knot", "shape": "torus-knot", "segments": 32, "sides": 6}
     placed = {**thing, "transform": [{"translate": [away, 0.0, 0.0]}]}
     return view(Scene.model_validate({"camera": [camera], "object": [placed]}), (64, 64))
+
+
+# ---------------------------------------------------------------- all stages together
+
+
+@pytest.mark.parametrize("name", ["zbuffer", "zbuffer-tiles", "raycast", "opengl", "embree"])
+def test_all_models_are_right_where_rounding_decides_nothing(name: str, truth: VisibilityMap) -> None:
+    seen, samples, method = soup(), np.arange(0, 48 * 48, 7), method_named(name)
+    pipeline = pipeline_of(method)
+    assert pipeline is not None
+    for stage in pipeline.stages:
+        faces = stage.faces(seen, method.options(), samples)
+        assert np.array_equal(faces, truth.face.ravel()[samples]), stage.cause.label
 
 
 # ---------------------------------------------------------------- what counts as wrong

@@ -35,6 +35,7 @@ HONEST = (
     "zbuffer-direct",
     "zbuffer-float32",
     "zbuffer-float32-direct",
+    "zbuffer-tiles",
     "raycast",
     "raycast-single",
     "raycast-list",
@@ -48,7 +49,7 @@ def problem(name: str) -> tuple[View, VisibilityMap]:
 
 
 @pytest.mark.parametrize("mistake", MISTAKES)
-@pytest.mark.parametrize("method", ["zbuffer", "raycast"])
+@pytest.mark.parametrize("method", ["zbuffer", "zbuffer-tiles", "raycast"])
 def test_every_wrong_sample_of_a_mistake_is_unexplained(mistake: str, method: str) -> None:
     seen, truth = problem(SHOWN_BY[mistake])
     found = causes(seen, MISTAKES[mistake].render(seen, method), truth)

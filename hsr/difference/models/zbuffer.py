@@ -19,6 +19,7 @@ the other models say at which stage it leaves the truth.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
@@ -72,15 +73,16 @@ def vertex_snapping(view: View, options: Options, samples: Array) -> Ints:
     """Model the rounding of screen coordinates."""
     view = view.tessellated()
     # Window depths run from 0 to 1 but for rounding, and are not cut again.
-    return _judged(seen_from_front(view, -1.0, 2.0), _on_screen(view, options), view, options, samples)
+    return _judged(seen_from_front(view, -1.0, 2.0), on_screen(view, options), view, options, samples)
 
 
 def _judged(seen: View, polygons: WorldPolygons, view: View, options: Options, samples: Array) -> Ints:
     """Return the exact owners of samples if these polygons are all there is to see.
 
-    Only those are looked at that the method may draw there, and those that it clips away.
+    Only those are looked at that the method may draw there, and those that it clips away: none of the
+    roundings moves a polygon by a pixel.
     """
-    drawn = _on_screen(view, options)
+    drawn = on_screen(view, options)
     chosen = np.diff(drawn.start) < 3
     chosen[_reaching(view, drawn, samples)[0]] = True
     return true_faces(of_polygons(seen, polygons, chosen))[samples]
@@ -101,7 +103,7 @@ def _clipped(view: View) -> WorldPolygons:
     return replace(polygons, vertices=vertices, corner=corner, start=start)
 
 
-def _on_screen(view: View, options: Options) -> WorldPolygons:
+def on_screen(view: View, options: Options) -> WorldPolygons:
     """Return the clipped polygons in screen coordinates, of the type of the arithmetic."""
     clipped, size, real = _clipped(view), (view.width, view.height), ARITHMETIC[options.arithmetic]
     screen = to_screen(clipped.vertices, view.perspective, size, (view.near, view.far), real)
@@ -149,19 +151,36 @@ def _boxes(view: View, polygons: WorldPolygons, first: Ints) -> Array:
 
 
 def fill_rule(view: View, options: Options, samples: Array) -> Ints:
-    """Model the coverage: of the polygons that the method draws at a sample, the nearest.
-
-    Of equal depths the lower face id counts.
-    """
+    """Model the coverage: of the polygons that the method draws at a sample, the nearest."""
     view = view.tessellated()
-    polygons = _on_screen(view, options)
+    polygons = on_screen(view, options)
+    layers = layers_of(view, polygons, samples)
+    return nearest_drawn(view, polygons, _drawn(view, polygons, layers, STEPPING[options.stepping]), samples)
+
+
+def nearest_drawn(view: View, polygons: WorldPolygons, drawn: Iterable[Ints], samples: Array) -> Ints:
+    """Return the face of the nearest polygon drawn at each sample, of equal depths the lower one.
+
+    Parameters
+    ----------
+    view : View
+    polygons : WorldPolygons
+        On the screen.
+    drawn : iterable of (H, W) int32
+        For each layer the polygon drawn at each sample, or -1.
+    samples : (n,) int64
+
+    Returns
+    -------
+    (n,) int32
+    """
     planes: dict[int, tuple[Fraction, Fraction, Fraction]] = {}
     nearest: list[tuple[Fraction, int]] = [(BEYOND, BACKGROUND)] * len(samples)
     row, column = np.divmod(samples, view.width)
-    for layer in _layers(view, polygons, samples):
-        drawn = _drawn_alone(view, polygons, layer, STEPPING[options.stepping])[row, column]
-        for k in np.flatnonzero(drawn >= 0):
-            i = int(drawn[k])
+    for layer in drawn:
+        number = layer[row, column]
+        for k in np.flatnonzero(number >= 0):
+            i = int(number[k])
             if i not in planes:
                 planes[i] = _plane(polygons, i)
             constant, z_x, z_y = planes[i]
@@ -170,7 +189,7 @@ def fill_rule(view: View, options: Options, samples: Array) -> Ints:
     return np.array([face for _, face in nearest], dtype=np.int32)
 
 
-def _layers(view: View, polygons: WorldPolygons, samples: Array) -> list[list[int]]:
+def layers_of(view: View, polygons: WorldPolygons, samples: Array) -> list[list[int]]:
     """Share out the polygons so that no two of a layer can be drawn at the same one of the samples."""
     first_free = np.full((view.height, view.width), -1, dtype=np.int64)
     first_free.ravel()[samples] = 0
@@ -184,15 +203,13 @@ def _layers(view: View, polygons: WorldPolygons, samples: Array) -> list[list[in
     return layers
 
 
-def _drawn_alone(view: View, polygons: WorldPolygons, layer: list[int], mode: int) -> Ints:
-    """Scan convert some of the polygons, and return which one (H, W) is drawn at each sample."""
-    cull = np.full(len(polygons), scanline.CULL_BOTH, dtype=np.int8)
-    cull[layer] = polygons.cull[layer]
-    number = np.arange(len(polygons), dtype=np.int32)
-    size = (view.width, view.height)
+def _drawn(view: View, polygons: WorldPolygons, layers: list[list[int]], mode: int) -> Iterator[Ints]:
+    """Scan convert each layer by itself, and yield which polygon (H, W) is drawn at each sample."""
+    number, size = np.arange(len(polygons), dtype=np.int32), (view.width, view.height)
     screen, corner = polygons.vertices, polygons.corner
-    slope, table = scanline.polygon_table(screen, corner, polygons.start, number, cull, size)
-    return scanline.scan_convert(screen, corner, slope, table, size, mode, False)[1]
+    slope, table = scanline.polygon_table(screen, corner, polygons.start, number, polygons.cull, size)
+    for layer in layers:
+        yield scanline.scan_convert(screen, corner, slope[layer], table[layer], size, mode, False)[1]
 
 
 def _plane(polygons: WorldPolygons, i: int) -> tuple[Fraction, Fraction, Fraction]:

@@ -1,0 +1,75 @@
+"""The depth buffer of half-space tests, stage by stage.
+
+Up to the screen it works like :mod:`hsr.difference.models.zbuffer` in float64. The fill rule is modelled
+by the triangles that it draws itself. Its depths are rounded to keys while they are computed, so that
+their arithmetic and their format are one stage: the method itself, run once more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+
+import numpy as np
+
+from hsr.algorithms import zbuffer
+from hsr.algorithms.tiles import Options, fans, render
+from hsr.arrays import Array, Floats, Ints
+from hsr.difference.models import zbuffer as scanned
+from hsr.difference.models.rounded import tessellation
+from hsr.difference.models.stages import Cause, Pipeline, Stage
+from hsr.kernels.tiles import rasterise
+from hsr.viewing import View, WorldPolygons
+
+FLOAT64 = zbuffer.Options()
+
+Model = Callable[[View, zbuffer.Options, Array], Ints]
+
+
+def _shared(model: Model) -> Callable[[View, Options, Array], Ints]:
+    """Make a model of the depth buffer in float64 one of this method."""
+    return lambda view, _, samples: model(view, FLOAT64, samples)
+
+
+def fill_rule(view: View, options: Options, samples: Array) -> Ints:  # noqa: ARG001
+    """Model the coverage: of the polygons that the method draws at a sample, the nearest."""
+    view = view.tessellated()
+    polygons = scanned.on_screen(view, FLOAT64)
+    layers = scanned.layers_of(view, polygons, samples)
+    return scanned.nearest_drawn(view, polygons, _drawn(view, polygons, layers), samples)
+
+
+def _drawn(view: View, polygons: WorldPolygons, layers: list[list[int]]) -> Iterator[Ints]:
+    """Rasterise each layer by itself, and yield which polygon (H, W) is drawn at each sample."""
+    triangle, polygon = fans(polygons.vertices, polygons.corner, polygons.start)
+    number, size = polygon.astype(np.int32), (view.width, view.height)
+    for layer in layers:
+        which = np.isin(number, layer)
+        cull = polygons.cull[number[which]]
+        yield rasterise(polygons.vertices, triangle[which], number[which], cull, size)[0]
+
+
+@lru_cache(maxsize=1)
+def rendered(view: View, options: Options) -> tuple[Ints, Floats]:
+    """Run the method again: its faces and depths (H, W)."""
+    again = render(view, options)
+    return again.face, again.depth
+
+
+def depth_format(view: View, options: Options, samples: Array) -> Ints:
+    """Run the method: its depths, rounded to keys."""
+    return rendered(view, options)[0].ravel()[samples]
+
+
+PIPELINE = Pipeline(
+    (
+        Stage(Cause.TESSELLATION, tessellation),
+        Stage(Cause.INPUT_ROUNDING, _shared(scanned.input_rounding)),
+        Stage(Cause.TRANSFORM, _shared(scanned.transform)),
+        Stage(Cause.CLIPPING, _shared(scanned.clipping)),
+        Stage(Cause.VERTEX_SNAPPING, _shared(scanned.vertex_snapping)),
+        Stage(Cause.FILL_RULE, fill_rule),
+        Stage(Cause.DEPTH_FORMAT, depth_format),
+    ),
+    rendered,
+)
