@@ -127,7 +127,7 @@ def test_json_is_stable(make_scene: Any) -> None:
 @pytest.mark.jit
 def test_against_the_truth_every_wrong_sample_has_a_cause(make_scene: Any) -> None:
     scene = make_scene([{"name": "ball", "shape": "sphere"}])
-    found = study(scene, ["zbuffer", "raycast"], "exact", (48, 48))
+    found = study(scene, ["zbuffer", "raycast"], "exact", (160, 160))
     assert found.causes["raycast"].wrong == 0
     assert set(found.causes["zbuffer"].counts) == {"tessellation"}
     assert found.causes["zbuffer"].wrong == found.differences["zbuffer"].different > 0
