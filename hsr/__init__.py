@@ -10,8 +10,10 @@ if TYPE_CHECKING:
     from hsr.algorithms.registry import Method as Method
     from hsr.algorithms.registry import methods as methods
     from hsr.algorithms.registry import render as render
+    from hsr.difference.cause import causes as causes
     from hsr.difference.classes import Difference as Difference
     from hsr.difference.classes import compare as compare
+    from hsr.difference.history import history as history
     from hsr.errors import HsrError as HsrError
     from hsr.scene.files import load as load
     from hsr.scene.model import Scene as Scene
@@ -30,7 +32,9 @@ _HOME = {
     "Scene": "hsr.scene.model",
     "View": "hsr.viewing",
     "VisibilityMap": "hsr.visibility",
+    "causes": "hsr.difference.cause",
     "compare": "hsr.difference.classes",
+    "history": "hsr.difference.history",
     "load": "hsr.scene.files",
     "load_map": "hsr.visibility",
     "methods": "hsr.algorithms.registry",

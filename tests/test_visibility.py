@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hsr.errors import MapError
-from hsr.visibility import Clock, VisibilityMap, load_map
+from hsr.visibility import Admissible, Clock, VisibilityMap, load_map
 
 MANIFEST = [
     {"name": "box", "shape": "cube", "first": 0, "count": 6, "faces": ["top", "bottom", "r", "l", "f", "b"]},
@@ -133,3 +133,11 @@ def test_clock_adds_up_stages() -> None:
         pass
     assert set(clock.seconds) == {"render", "prepare"}
     assert all(seconds >= 0.0 for seconds in clock.seconds.values())
+
+
+def test_a_map_admits_its_owners_and_those_of_its_ties() -> None:
+    tied = Admissible(np.array([1, 2]), np.array([0, 2, 5]), np.array([0, 7, -1, 0, 5], dtype=np.int32))
+    truth = VisibilityMap(np.zeros((1, 4), np.int32), np.ones((1, 4)), "exact", admissible=tied)
+    shown = np.array([[0, 7, 5, 0], [7, 5, -1, 7]], dtype=np.int32)
+    assert truth.admits(shown[:1]).tolist() == [[True, True, True, True]]
+    assert truth.admits(shown[1:]).tolist() == [[False, False, True, False]]

@@ -106,7 +106,7 @@ def causes(view: View, answer: VisibilityMap, truth: VisibilityMap, **options: A
         If the method does not have such an option.
     """
     _check(view, answer, truth)
-    samples = wrong_samples(answer, truth)
+    samples = np.flatnonzero(~truth.admits(answer.face))
     cause = np.zeros(answer.face.shape, dtype=np.uint8)
     method = methods().get(answer.method)
     pipeline = None if method is None else pipeline_of(method)
@@ -127,16 +127,6 @@ def _check(view: View, answer: VisibilityMap, truth: VisibilityMap) -> None:
             )
     if truth.admissible is None:
         raise MapError(f"truth: a map by {truth.method} does not say who may own ties; render it by 'exact'")
-
-
-def wrong_samples(answer: VisibilityMap, truth: VisibilityMap) -> Array:
-    """Return the numbers ``row * W + column`` (n,) of the samples whose owner is not admissible."""
-    wrong = (answer.face != truth.face).ravel()
-    if truth.admissible is not None:
-        tied = truth.admissible
-        sample = np.repeat(tied.sample, np.diff(tied.start))
-        wrong[sample[answer.face.ravel()[sample] == tied.face]] = False
-    return np.flatnonzero(wrong)
 
 
 def pipeline_of(method: Method) -> Pipeline | None:

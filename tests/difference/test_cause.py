@@ -13,14 +13,14 @@ import pytest
 import hsr
 from hsr.algorithms import exact, raycast, zbuffer
 from hsr.algorithms.registry import method_named
-from hsr.difference.cause import Causes, causes, pipeline_of, wrong_samples
+from hsr.difference.cause import Causes, causes, pipeline_of
 from hsr.difference.models import zbuffer as models
 from hsr.difference.models.stages import Cause
 from hsr.errors import MapError, MethodError
 from hsr.kernels import hierarchy, scanline
 from hsr.scene.model import Scene
 from hsr.viewing import View, view
-from hsr.visibility import Admissible, VisibilityMap
+from hsr.visibility import VisibilityMap
 from tests.difference.planted import prism, soup
 
 
@@ -188,13 +188,6 @@ def test_all_models_are_right_where_rounding_decides_nothing(name: str, truth: V
 def shown(*faces: int, method: str = "zbuffer", **more: Any) -> VisibilityMap:
     face = np.array([faces], dtype=np.int32)
     return VisibilityMap(face, np.where(face < 0, np.inf, 1.0), method, **more)
-
-
-def test_an_admissible_owner_is_not_wrong() -> None:
-    tied = Admissible(np.array([1, 2]), np.array([0, 2, 5]), np.array([0, 7, -1, 0, 5], dtype=np.int32))
-    truth = shown(0, 0, 0, 0, admissible=tied)
-    assert wrong_samples(shown(0, 7, 5, 0), truth).tolist() == []
-    assert wrong_samples(shown(7, 5, -1, 7), truth).tolist() == [0, 1, 3]
 
 
 def test_nothing_wrong_has_no_cause() -> None:
