@@ -2,10 +2,11 @@
 
     python benchmarks/compare.py scenes/teapot.toml bunny.obj -a zbuffer -a raycast -a opengl --size 1024
 
-Every method gets the same view. The first call of each is thrown away (it compiles); then the
-methods take turns, so that a drift of the machine touches all alike, and the median of every stage
-is reported. Each turn gets a view of its own, so nothing prepared in an earlier turn is reused:
-``prepare`` (arrays, upload), ``build`` (hierarchies) and ``render`` are measured anew each time.
+Every method gets the same view, and nothing is timed that is not judged: the first map of each is held
+against exact arithmetic, its wrong samples counted by cause. Then the methods take turns, so that a drift
+of the machine touches all alike, and the median of every stage is reported. Each turn gets a view of its
+own, so nothing prepared in an earlier turn is reused: ``prepare`` (arrays, upload), ``build``
+(hierarchies) and ``render`` are measured anew each time.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from hsr.errors import HsrError, MethodError, UnavailableError
 from hsr.viewing import View
 
 STAGES = ("prepare", "build", "render", "read")
-DEFAULT = ("zbuffer", "raycast", "raycast-single", "opengl", "embree")
+DEFAULT = ("zbuffer", "zbuffer-tiles", "zbuffer-float32", "raycast", "opengl", "embree")
 
 console = Console(highlight=False, width=None if sys.stdout.isatty() else 130)
 
@@ -43,26 +44,24 @@ def fresh(view: View) -> View:
 
 
 def measure(view: View, methods: Sequence[str], repeat: int, label: str) -> Iterator[dict[str, Any]]:
-    """Time the methods in turns on one view; yield one row a method."""
-    maps, skipped = {}, {}
+    """Judge the methods on one view, then time them in turns; yield one row a method."""
+    truth = hsr.render(view, "exact")
+    judged, skipped = {}, {}
     for name in methods:
         try:
-            maps[name] = hsr.render(view, name)
+            judged[name] = hsr.causes(view, hsr.render(view, name), truth)
         except (UnavailableError, MethodError) as error:
             skipped[name] = str(error)
-    samples: dict[str, list[dict[str, float]]] = {name: [] for name in maps}
+    samples: dict[str, list[dict[str, float]]] = {name: [] for name in judged}
     for _ in track(range(repeat), description=label, console=Console(stderr=True), transient=True):
-        for name in maps:
+        for name in judged:
             samples[name].append(hsr.render(fresh(view), name).seconds)
-    first = next(iter(maps), None)
     for name in methods:
         if name in skipped:
             yield {"method": name, "skipped": skipped[name]}
             continue
-        differ = int(np.count_nonzero(maps[name].face != maps[first].face)) if first else 0
-        yield {"method": name, "differ_from": first, "differ": differ, "notes": maps[name].notes} | {
-            stage: _spread([one[stage] for one in samples[name] if stage in one]) for stage in STAGES
-        }
+        stages = {stage: _spread([one[stage] for one in samples[name] if stage in one]) for stage in STAGES}
+        yield {"method": name, "wrong": judged[name].wrong, "causes": judged[name].counts} | stages
 
 
 def _spread(seconds: Sequence[float]) -> dict[str, Any] | None:
@@ -103,7 +102,7 @@ def show(rows: Sequence[dict[str, Any]]) -> None:
     table = Table(box=None, pad_edge=False)
     for column in ("scene", "faces", "size", "method"):
         table.add_column(column)
-    for column in (*STAGES, "render q1-q3", "differ"):
+    for column in (*STAGES, "render q1-q3", "wrong"):
         table.add_column(column, justify="right")
     for row in rows:
         head = (row["scene"], f"{row['faces']:,}", row["size"], row["method"])
@@ -112,15 +111,15 @@ def show(rows: Sequence[dict[str, Any]]) -> None:
             continue
         stages = ["" if row[stage] is None else f"{row[stage]['median']:.2f}" for stage in STAGES]
         spread = f"{row['render']['q1']:.2f}-{row['render']['q3']:.2f}"
-        table.add_row(*head, *stages, spread, f"{row['differ']:,}")
+        table.add_row(*head, *stages, spread, f"{row['wrong']:,}")
     console.print(table)
 
 
 def markdown(rows: Sequence[dict[str, Any]]) -> str:
     """Return the medians as the table of the README."""
     lines = [
-        "| mesh | method | build ms | render ms | against OpenGL | samples that differ |",
-        "|---|---|---:|---:|---:|---:|",
+        "| mesh | method | build ms | render ms | against OpenGL | wrong samples | why |",
+        "|---|---|---:|---:|---:|---:|---|",
     ]
     opengl = {row["scene"]: row["render"]["median"] for row in rows if row["method"] == "opengl"}
     for row in rows:
@@ -128,7 +127,9 @@ def markdown(rows: Sequence[dict[str, Any]]) -> str:
         render = row["render"]["median"]
         faster = f"{opengl[row['scene']] / render:.1f}x" if row["scene"] in opengl else ""
         name = f"{row['scene']}, {row['faces']:,} triangles"
-        lines.append(f"| {name} | {row['method']} | {build} | {render:.1f} | {faster} | {row['differ']:,} |")
+        why = ", ".join(f"{cause} {count}" for cause, count in row["causes"].items())
+        figures = f"{build} | {render:.1f} | {faster} | {row['wrong']:,} | {why}"
+        lines.append(f"| {name} | {row['method']} | {figures} |")
     return "\n".join(lines)
 
 
