@@ -145,8 +145,11 @@ def _dot(a: Floats, b: Floats) -> Floats:
 
 def _unit(vectors: Floats) -> Floats:
     """Vectors of length 1; a vector of length 0 (a degenerate face) stays as it is."""
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    unit: Floats = np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0.0)
+    # Scaled to about 1 first: the squares of large and small numbers leave the range of float64.
+    largest = np.abs(vectors).max(axis=-1, keepdims=True)
+    scaled = np.divide(vectors, largest, out=np.zeros_like(vectors), where=largest > 0.0)
+    length = np.linalg.norm(scaled, axis=-1, keepdims=True)
+    unit: Floats = np.divide(scaled, length, out=scaled, where=length > 0.0)
     return unit
 
 

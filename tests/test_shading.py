@@ -37,6 +37,14 @@ def srgb(linear: float) -> int:
     return round(255 * (1.055 * linear ** (1 / 2.4) - 0.055))
 
 
+@pytest.mark.parametrize("size", [1e-85, 1.0, 1e85])
+def test_a_mesh_of_any_size_looks_the_same(size: float) -> None:
+    corners = [[-size, -size, 0.0], [size, -size, 0.0], [0.0, size, 0.0]]
+    mesh = {"shape": "mesh", "vertices": corners, "faces": [[0, 1, 2]], "colour": [1.0, 1.0, 1.0]}
+    view = seen(mesh, [0.0, 0.0, 2.0 * size], [], near=size)
+    assert centre(view, 0, 2.0 * size) == [255, 255, 255]
+
+
 CUBE = {"shape": "cube", "colour": [1.0, 1.0, 1.0]}
 FRONT, TOP = 4, 0
 OBLIQUE = [0.0, 3.0, 4.0]  # 5 from the origin; sees the front face at a cosine of 4 / 5
