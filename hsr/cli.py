@@ -236,6 +236,8 @@ def compare(
         _print_studies(studies, verbose)
         if output is not None:
             out.print(f"report: {output}", markup=False, soft_wrap=True)
+    if forbidden:
+        _require_judged(studies, {*(method or ()), ref})
     if any(_meets(found, forbidden) for found in studies):
         raise typer.Exit(DIFFERS)
 
@@ -259,6 +261,13 @@ def _require(studies: Sequence[Study], asked: set[str]) -> None:
             raise UnavailableError(found.skipped[name])
 
 
+def _require_judged(studies: Sequence[Study], asked: set[str]) -> None:
+    """Raise if a method asked for by name was skipped: what was not compared must not pass."""
+    for found in studies:
+        for name in sorted(asked & found.skipped.keys()):
+            raise HsrError(f"--fail-on: {found.name}: {name} did not run: {found.skipped[name]}")
+
+
 def _print_studies(studies: Sequence[Study], verbose: bool) -> None:
     """Print one table a scene; of several scenes only their sum, unless more is wanted."""
     if len(studies) == 1 or verbose:
@@ -279,7 +288,8 @@ def _print_study(found: Study, verbose: bool) -> None:
             continue
         render_time = _time(found.maps[name].seconds)
         if name not in found.differences:
-            table.add_row(name, "reference" if name == found.reference else "-", *[""] * 5, render_time)
+            role = "reference" if name == found.reference else "-"
+            table.add_row(name, role, *[""] * (len(DIFFERENT) + 1), render_time)
             continue
         difference = found.differences[name]
         counts = (f"{difference.counts[kind]:,}" for kind in DIFFERENT)
@@ -350,7 +360,7 @@ def diff(
 
     difference = hsr.compare(hsr.load_map(a), hsr.load_map(b))
     if as_json:
-        _print_json({"hsr": 1, "a": str(a), "b": str(b), **difference.to_json()})
+        _print_json({"hsr": 1, "files": [str(a), str(b)], **difference.to_json()})
     else:
         out.print(difference.summary(clusters=None if verbose else 5), markup=False, soft_wrap=True)
     if not difference.same:

@@ -89,7 +89,9 @@ def test_diff_of_other_faces_is_1(run: Any, tmp_path: Path) -> None:
     code, out, _ = run("diff", str(tmp_path / "a.npz"), str(tmp_path / "b.npz"))
     assert code == 1 and "1 differ" in out
     code, out, _ = run("diff", str(tmp_path / "a.npz"), str(tmp_path / "b.npz"), "--json")
-    assert code == 1 and json.loads(out)["counts"]["wrong face"] == 1
+    found = json.loads(out)
+    assert code == 1 and found["counts"]["wrong face"] == 1
+    assert found["files"] == [str(tmp_path / "a.npz"), str(tmp_path / "b.npz")]
 
 
 def test_diff_of_other_sizes_is_2(run: Any, tmp_path: Path) -> None:
@@ -123,6 +125,21 @@ def test_compare_json(run: Any) -> None:
     code, out, _ = run("compare", CUBE, "--size", "24", "-a", "raycast", "--ref", "zbuffer", "--json")
     (study,) = json.loads(out)["studies"]
     assert code == 0 and study["reference"] == "zbuffer"
+
+
+def test_compare_tells_the_time_of_the_reference_below_those_of_the_others(run: Any) -> None:
+    _, out, _ = run("compare", CUBE, "--size", "24", "-a", "raycast", "--ref", "zbuffer")
+    header, *rows = out.splitlines()[1:4]
+    assert len(rows) == 2 and all(row.rstrip().endswith(" ms") for row in rows)
+    assert {len(row.rstrip()) for row in rows} == {len(header.rstrip())}
+
+
+def test_compare_does_not_pass_what_it_cannot_judge(run: Any, tmp_path: Path) -> None:
+    (tmp_path / "far.obj").write_text("v 1e60 0 0\nv 0 1e60 0\nv 0 0 1e60\nf 1 2 3\n")
+    arguments = ("compare", str(tmp_path / "far.obj"), "--size", "8", "-a", "zbuffer", "--ref", "embree")
+    assert run(*arguments)[0] == 0
+    code, _, problems = run(*arguments, "--fail-on", "missing")
+    assert code == 2 and "--fail-on: far: embree did not run" in problems
 
 
 def test_compare_fails_on_a_class_it_meets(run: Any) -> None:
