@@ -1,0 +1,52 @@
+"""What the README shows works as written."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from hsr.cli import app
+from hsr.errors import UnavailableError
+
+ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", README, flags=re.DOTALL)
+
+
+@pytest.mark.jit
+def test_the_python_example_runs(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.chdir(ROOT)
+    (example,) = blocks("python")
+    try:
+        exec(compile(example, "README.md", "exec"), {})
+    except UnavailableError as error:
+        pytest.skip(str(error))
+    assert "opengl vs exact" in capsys.readouterr().out
+
+
+def test_the_commands_exist_with_their_options() -> None:
+    lines = [line for block in blocks("") for line in block.splitlines() if line.startswith("hsr ")]
+    assert len(lines) >= 10
+    for line in lines:
+        words = shlex.split(line, comments=True)[1:]
+        command = words[:2] if words[0] == "scene" else words[:1]
+        told = CliRunner().invoke(app, [*command, "--help"], env={"COLUMNS": "200", "NO_COLOR": "1"})
+        assert told.exit_code == 0
+        for option in (word for word in words if word.startswith("-")):
+            assert option in told.output, f"{line}: no option {option}"
+
+
+def test_the_scene_is_valid(tmp_path: Path) -> None:
+    import hsr
+
+    (text,) = blocks("toml")
+    file = tmp_path / "scene.toml"
+    file.write_text(text, encoding="utf-8")
+    assert hsr.load(file).object[0].name == "box"
