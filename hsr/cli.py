@@ -318,7 +318,7 @@ def _print_sum(studies: Sequence[Study]) -> None:
     for name in dict.fromkeys(name for found in studies for name in found.methods):
         table.add_row(name, *_sum_cells([found for found in studies if name in found.methods], name))
     out.print(table)
-    if any(found.tessellating for found in studies):
+    if any(found.reference in found.tessellating for found in studies):
         out.print("Methods that keep curved shapes exact rightly differ along the outlines of polygons.")
 
 
@@ -333,7 +333,7 @@ def _sum_cells(studies: Sequence[Study], name: str) -> tuple[str, ...]:
     differ = sum(found.differences[name].different for found in judged)
     samples = sum(found.view.width * found.view.height for found in judged)
     worst = max(judged, key=lambda found: found.differences[name].different)
-    most = f"{worst.name} {worst.differences[name].different:,}"
+    most = f"{worst.name} {worst.differences[name].different:,}" if differ else ""
     causes = sum((Counter(found.causes[name].counts) for found in judged if name in found.causes), Counter())
     why = _counted(causes)
     return (str(len(ran)), f"{differ:,}", f"{differ / samples:.3%}", most, why, f"{total:,.0f} ms")
