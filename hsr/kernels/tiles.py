@@ -8,8 +8,9 @@ test and both writes. Of equal depths the lower face stays, as with ``z < buffer
 
 Who owns a sample. Screen coordinates have y down. An edge function is ``>= 0`` for a left edge and for a
 top one, ``> 0`` for the others: a sample exactly on a left or top edge is inside (the top-left rule).
-Edge functions are float64 and anchored at the first sample of the triangle's bounding box, so rounding
-may move a sample within some ulp of an edge to the other side.
+Edge functions are float64 and anchored at the upper corner of their edge, whichever way it runs. So two
+triangles that share an edge compute the same numbers with opposite signs, and every sample between them
+has exactly one owner. Rounding may move a sample within some ulp of an edge to the other side.
 """
 
 from __future__ import annotations
@@ -131,16 +132,17 @@ def _rasterise(
 
 
 @jit
-def _edge(screen: Floats, p: int, q: int, x: float, y: float) -> tuple[float, float, float, float]:
-    """Return the edge function of p -> q: its steps right and down, its value at (x, y), its bound.
+def _edge(screen: Floats, p: int, q: int) -> tuple[float, float, float, float, float]:
+    """Return the edge function of p -> q: its dx and dy, its anchor (x, y), its bound.
 
-    The inside of a clockwise triangle (y down) is where it is positive. A left edge runs up, a top
-    edge to the right.
+    It is ``dx (y - anchor y) - dy (x - anchor x)``, positive inside a clockwise triangle (y down). A
+    left edge runs up, a top edge to the right. The anchor is the upper corner, of equally high ones the
+    left one: for q -> p every product is the same but for its sign. At both corners it is exactly 0.
     """
     dx, dy = screen[q, 0] - screen[p, 0], screen[q, 1] - screen[p, 1]
-    value = dx * (y - screen[p, 1]) - dy * (x - screen[p, 0])
+    anchor = p if dy > 0.0 or (dy == 0.0 and dx > 0.0) else q
     bound = 0.0 if dy < 0.0 or (dy == 0.0 and dx > 0.0) else ABOVE_ZERO
-    return -dy, dx, value, bound
+    return dx, dy, screen[anchor, 0], screen[anchor, 1], bound
 
 
 @jit
@@ -155,31 +157,32 @@ def _plane(screen: Floats, a: int, b: int, c: int) -> tuple[float, float]:
 @jit
 def _fill(screen: Floats, table: Ints, i: int, first: int, last: int, bits: int, keys: Array) -> None:
     """Take one triangle into the keys of the scan lines from first to last."""
-    # Anchor everything at the first sample of the bounding box, whatever the strip.
     top, left, end_column = table[i, FIRST_LINE], table[i, FIRST_COLUMN], table[i, END_COLUMN]
     a, b, c = table[i, CORNER], table[i, CORNER + 1], table[i, CORNER + 2]
-    x, y = left + 0.5, top + 0.5
-    x0, y0, e0, bound0 = _edge(screen, a, b, x, y)
-    x1, y1, e1, bound1 = _edge(screen, b, c, x, y)
-    x2, y2, e2, bound2 = _edge(screen, c, a, x, y)
+    dx0, dy0, x0, y0, bound0 = _edge(screen, a, b)
+    dx1, dy1, x1, y1, bound1 = _edge(screen, b, c)
+    dx2, dy2, x2, y2, bound2 = _edge(screen, c, a)
+    # Anchor the depth at the first sample of the bounding box, whatever the strip.
+    first_x, first_y = left + 0.5, top + 0.5
     z_x, z_y = _plane(screen, a, b, c)
     # One more than z: all depths then have the same exponent.
-    z = 1.0 + (screen[a, 2] + (x - screen[a, 0]) * z_x + (y - screen[a, 1]) * z_y)
+    z = 1.0 + (screen[a, 2] + (first_x - screen[a, 0]) * z_x + (first_y - screen[a, 1]) * z_y)
 
     face = np.uint64(table[i, FACE])
     keep = EMPTY << np.uint64(bits)
     farthest = 2.0 - 2.0**-MANTISSA
     for row in range(max(top, first), min(table[i, END_LINE], last)):
-        down = float(row - top)
-        row0, row1, row2, row_z = e0 + down * y0, e1 + down * y1, e2 + down * y2, z + down * z_y
+        y, row_z = row + 0.5, z + float(row - top) * z_y
+        row0, row1, row2 = dx0 * (y - y0), dx1 * (y - y1), dx2 * (y - y2)
         line = keys[row]
         for start in range(left, end_column, LANES):
             for lane in range(LANES):
                 right = float(start - left + lane)
+                x = first_x + right
                 inside = (
-                    (row0 + right * x0 >= bound0)
-                    & (row1 + right * x1 >= bound1)
-                    & (row2 + right * x2 >= bound2)
+                    (row0 - dy0 * (x - x0) >= bound0)
+                    & (row1 - dy1 * (x - x1) >= bound1)
+                    & (row2 - dy2 * (x - x2) >= bound2)
                 )
                 depth = np.float64(min(max(row_z + right * z_x, 1.0), farthest))
                 key = ((depth.view(np.uint64) << np.uint64(64 - MANTISSA)) & keep) | face

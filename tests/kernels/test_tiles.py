@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from hsr.kernels import strips, tiles
 
@@ -66,6 +68,26 @@ def test_a_lattice_of_shared_edges_covers_every_sample_once() -> None:
             for half in halves:
                 count += np.array(owners(corners, [half], (n - 1, n - 1))) >= 0
     assert (count == 1).all()
+
+
+def test_a_diagonal_within_rounding_of_pixel_centres_leaves_no_crack() -> None:
+    left, right = 3.17157287525381, 12.82842712474619
+    corners = [[right, right - 4.0], [left, right - 4.0], [left, left - 4.0], [right, left - 4.0]]
+    assert (np.array(owners(corners, [[0, 1, 2], [0, 2, 3]], (16, 8)))[:, 3:13] >= 0).all()
+
+
+@given(seed=st.integers(0, 2**32 - 1))
+def test_two_halves_share_out_the_samples_of_any_quadrilateral(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    a, c = random.integers(0, 9, (2, 2)) + 0.5 + random.choice([0.0, 1e-16, 1e-15, 1 / 3], (2, 2))
+    across = random.uniform(1.0, 9.0, (2, 1)) * [[a[1] - c[1], c[0] - a[0]]] * [[1.0], [-1.0]]
+    corners = [a.tolist(), (a + across[0]).tolist(), c.tolist(), (c + across[1]).tolist()]
+    one, two = (np.array(owners(corners, [half], (9, 9))) >= 0 for half in ([0, 1, 2], [0, 2, 3]))
+    assert not (one & two).any()
+    y, x = np.mgrid[:9, :9] + 0.5
+    along = ((x - a[0]) * (c[0] - a[0]) + (y - a[1]) * (c[1] - a[1])) / max(((c - a) ** 2).sum(), 1e-9)
+    beside = np.abs((x - a[0]) * (c[1] - a[1]) - (y - a[1]) * (c[0] - a[0]))
+    assert (one | two)[(along > 0.05) & (along < 0.95) & (beside < 1e-9)].all()
 
 
 def test_nearer_wins_in_either_order() -> None:
