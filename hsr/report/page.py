@@ -88,6 +88,7 @@ def _render(studies: Sequence[Study], title: str) -> str:
         classes=[(kind.label, CLASS_COLOURS[kind], ABOUT[kind]) for kind in CLASS_COLOURS],
         different=DIFFERENT,
         causes=_causes(studies),
+        stages=[cause.label for cause in Cause if any(why[cause.label] for why in _causes(studies).values())],
         unexplained=Cause.UNEXPLAINED.label,
         extent=_extent,
         expected=_expected,

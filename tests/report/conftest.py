@@ -69,6 +69,7 @@ def studied() -> Study:
         frozenset({"absent"}),
         ("shifted",),
         differences,
+        {},
         agreement,
     )
 

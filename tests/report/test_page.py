@@ -15,6 +15,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from hsr.difference.cause import Causes
+from hsr.difference.models.stages import Cause
 from hsr.difference.study import Study
 from hsr.errors import HsrError
 from hsr.report.page import _extent, _figures, _milliseconds, _note, write_report
@@ -139,6 +141,23 @@ def test_a_study_without_a_reference(studied_alone: Study, tmp_path: Path) -> No
     page = (tmp_path / "r.html").read_text(encoding="utf-8")
     assert "No reference" in page and "not compared" in page
     Balanced(page)
+
+
+def test_causes_are_summed_over_scenes(studied: Study, tmp_path: Path) -> None:
+    cause = np.zeros((2, 4), np.uint8)
+    cause[0, :3] = Cause.VERTEX_SNAPPING, Cause.UNEXPLAINED, Cause.TESSELLATION
+    known = replace(studied, causes={"shifted": Causes("shifted", cause, True)})
+    write_report([known, known], tmp_path / "causes.html")
+    text = (tmp_path / "causes.html").read_text(encoding="utf-8")
+    heads = re.findall(r"<th[^>]*>([^<]*)</th>", text[text.index("Why samples are wrong") :])
+    assert heads[:6] == ["method", "wrong", "tessellation", "vertex snapping", "unexplained", "shifted"]
+    figures = re.findall(r"<td[^>]*>([^<]*)</td>", text[text.index("Why samples are wrong") :])
+    assert figures[:4] == ["6", "2", "2", "2"]
+    assert "<b>shifted</b>: tessellation 1, vertex snapping 1, unexplained 1" in text
+
+
+def test_without_the_truth_there_are_no_causes(page: str) -> None:
+    assert "Why samples are wrong" not in page
 
 
 def test_several_scenes_share_one_page(studied: Study, studied_alone: Study, tmp_path: Path) -> None:
