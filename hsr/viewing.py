@@ -10,6 +10,7 @@ in normalised device coordinates (x right, y up, both from -1 to 1).
 from __future__ import annotations
 
 import hashlib
+import operator
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -239,7 +240,7 @@ def view(scene: Scene, size: tuple[int, int] = (512, 512), camera: str | None = 
     Raises
     ------
     ViewError
-        If the size is out of range, the scene has no such camera, or too many faces.
+        If the size is not two whole numbers in range, the scene has no such camera, or too many faces.
     """
     width, height = _checked_size(size)
     projection = _projected(_camera_named(scene, camera), width / height)
@@ -255,7 +256,10 @@ def view(scene: Scene, size: tuple[int, int] = (512, 512), camera: str | None = 
 
 
 def _checked_size(size: Sequence[int]) -> tuple[int, int]:
-    width, height = (int(side) for side in size)
+    try:
+        width, height = (operator.index(side) for side in size)
+    except (TypeError, ValueError):
+        raise ViewError(f"size {size!r}: expected two whole numbers, (width, height)") from None
     if not (1 <= width <= MAX_SIDE and 1 <= height <= MAX_SIDE):
         raise ViewError(f"size {width}x{height}: width and height must be from 1 to {MAX_SIDE}")
     return width, height

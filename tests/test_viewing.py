@@ -86,6 +86,12 @@ def test_the_camera_to_look_through_is_chosen_by_name(make_scene: Any) -> None:
         hsr.view(two, (4, 4), camera="top")
 
 
+@pytest.mark.parametrize("size", [512, "64x64", (1, 2, 3), (2.5, 4), (float("nan"), 4), None])
+def test_sizes_that_are_none(make_scene: Any, size: Any) -> None:
+    with pytest.raises(ViewError, match="expected two whole numbers, "):
+        hsr.view(make_scene([CUBE]), size)
+
+
 @pytest.mark.parametrize("size", [(0, 4), (4, 0), (16385, 4), (4, -1)])
 def test_sizes_out_of_range(make_scene: Any, size: tuple[int, int]) -> None:
     with pytest.raises(

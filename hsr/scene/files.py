@@ -113,11 +113,13 @@ def shape_of(thing: Object, folder: Path) -> Shape:
 
 @contextmanager
 def _prefixed(prefix: str) -> Iterator[None]:
-    """Put ``prefix`` before the problems that come out of the ``with`` block."""
+    """Put ``prefix`` before the problems that come out of the ``with`` block, unreadable files among them."""
     try:
         yield
     except SceneError as error:
         raise SceneError([prefix + problem for problem in error.problems]) from error.__cause__
+    except OSError as error:
+        raise SceneError(f"{prefix}cannot be read: {error.strerror}") from error
 
 
 def _check_file(path: Path) -> None:
@@ -155,8 +157,6 @@ def _parsed(path: Path) -> Any:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise SceneError(f"not UTF-8 text (at byte {error.start}); save it as UTF-8") from None
-    except OSError as error:
-        raise SceneError(f"cannot be read: {error.strerror}") from None
     name = path.suffix.lower().removeprefix(".").upper()
     try:
         return tomllib.loads(text) if name == "TOML" else json.loads(text, object_pairs_hook=_table)

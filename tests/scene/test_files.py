@@ -142,6 +142,23 @@ def test_files_that_cannot_be_read(tmp_path: Path, name: str, content: bytes, pr
     assert line.startswith(problem)
 
 
+@pytest.mark.parametrize("name", ["a.toml", "a.obj", "a.glb"])
+def test_files_that_may_not_be_read(tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    (tmp_path / name).write_text("")
+    monkeypatch.setattr(Path, "read_text", refuse)
+    monkeypatch.setattr(Path, "read_bytes", refuse)
+    with pytest.raises(SceneError, match=rf"{name}: cannot be read: Permission denied$"):
+        load(tmp_path / name)
+
+
+def test_a_name_too_long_for_the_system(tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match="cannot be read: File name too long"):
+        load(tmp_path / ("a" * 300 + ".toml"))
+
+
 def test_a_folder_is_no_scene(tmp_path: Path) -> None:
     (tmp_path / "a.toml").mkdir()
     assert problems_of(tmp_path / "a.toml") == ["this is a folder; name a file in it"]
