@@ -19,7 +19,7 @@ from hsr.viewing import view
 
 PACKAGES = (
     "hsr-lab",
-    *("numpy", "numba", "scipy", "scikit-image", "python-flint"),
+    *("numpy", "numba", "scipy", "python-flint"),
     *("moderngl", "glcontext", "trimesh", "matplotlib", "pydantic"),
 )
 
