@@ -231,12 +231,6 @@ def covered_nearness(row: Row, x: float, closest: float) -> float:
 
 
 @jit
-def is_nearer(nearness: float, face: int, best: float, best_face: int) -> bool:
-    """Whether a hit beats the best so far: by its nearness, then by the lower face id."""
-    return nearness > best or (nearness == best and face < best_face)
-
-
-@jit
 def at_sample(matrix: Floats, x: float, y: float) -> Vector:
     """Return ``matrix @ (1, x, y)``: the origin or direction of a sample's ray."""
     return (
