@@ -149,7 +149,7 @@ def study(
         try:
             maps[method.name] = _run(method, problem, patient)
         except (MethodError, UnavailableError) as error:
-            skipped[method.name] = str(error)
+            skipped[method.name] = str(error).removeprefix(f"{method.name}: ")
             if isinstance(error, UnavailableError):
                 missing.add(method.name)
     return Study(
