@@ -8,17 +8,15 @@ from __future__ import annotations
 
 import json
 import sys
-from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console, JustifyMethod
-from rich.table import Table
 
 from hsr import __version__
+from hsr.console import err, new_table, out, print_json, print_renders, print_studies, progress, say
 from hsr.errors import HsrError, UnavailableError
 
 if TYPE_CHECKING:
@@ -37,12 +35,6 @@ app = typer.Typer(
 )
 scene_app = typer.Typer(help="Check and describe scene files.", no_args_is_help=True)
 app.add_typer(scene_app, name="scene")
-
-PIPED_WIDTH = 120
-"""Columns of a table that goes to a file or pipe; a terminal has its own width."""
-
-out = Console(highlight=False, width=None if sys.stdout.isatty() else PIPED_WIDTH)
-err = Console(stderr=True, highlight=False)
 
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes.")]
@@ -113,7 +105,7 @@ def render(
     view = hsr.view(hsr.load(scene), _size(size), camera)
     names = method or ["zbuffer"]
     rows = []
-    with _progress(quiet, len(names)) as step:
+    with progress(quiet, len(names)) as step:
         for name in names:
             step(name)
             method_named(name).warm_up(view)
@@ -121,9 +113,9 @@ def render(
             files = _write_render(view, answer, output, png, several=len(names) > 1)
             rows.append(_summary(answer) | {"files": files})
     if as_json:
-        _print_json({"hsr": 1, "scene": str(scene), "maps": rows})
+        print_json({"hsr": 1, "scene": str(scene), "maps": rows})
     else:
-        _print_renders(rows, verbose)
+        print_renders(rows, verbose)
 
 
 def _write_render(
@@ -164,22 +156,6 @@ def _summary(answer: VisibilityMap) -> dict[str, Any]:
     }
 
 
-def _print_renders(rows: Sequence[dict[str, Any]], verbose: bool) -> None:
-    table = _table("method", "covered", "faces seen", "nearest", "render")
-    for row in rows:
-        pixels = row["size"][0] * row["size"][1]
-        nearest = "-" if row["nearest"] is None else f"{row['nearest']:.6g}"
-        share = f"{row['covered'] / pixels:.1%}"
-        table.add_row(row["method"], share, f"{row['faces_seen']:,}", nearest, _time(row["seconds"]))
-    out.print(table)
-    for row in rows:
-        if verbose:
-            counts = ", ".join(f"{name} {count:,}" for name, count in row["work"].items())
-            out.print(f"{row['method']}: {counts}", markup=False, soft_wrap=True)
-        for file in row["files"]:
-            out.print(f"wrote {file}", markup=False, soft_wrap=True)
-
-
 # ---------------------------------------------------------------- compare
 
 
@@ -212,7 +188,7 @@ def compare(
     loaded = [(path, hsr.load(path)) for path in scenes]
     names = method or list(hsr.methods())
     studies = []
-    with _progress(quiet, len(loaded) * len({*names, ref})) as step:
+    with progress(quiet, len(loaded) * len({*names, ref})) as step:
         for path, scene in loaded:
             found = study(
                 scene,
@@ -231,11 +207,11 @@ def compare(
 
         write_report(studies, output)
     if as_json:
-        _print_json({"hsr": 1, "studies": [found.to_json() for found in studies]})
+        print_json({"hsr": 1, "studies": [found.to_json() for found in studies]})
     else:
-        _print_studies(studies, verbose)
+        print_studies(studies, verbose)
         if output is not None:
-            out.print(f"report: {output}", markup=False, soft_wrap=True)
+            say(f"report: {output}")
     if forbidden:
         _require_judged(studies, {*(method or ()), ref})
     if any(_meets(found, forbidden) for found in studies):
@@ -268,83 +244,6 @@ def _require_judged(studies: Sequence[Study], asked: set[str]) -> None:
             raise HsrError(f"--fail-on: {found.name}: {name} did not run: {found.skipped[name]}")
 
 
-def _print_studies(studies: Sequence[Study], verbose: bool) -> None:
-    """Print one table a scene; of several scenes only their sum, unless more is wanted."""
-    if len(studies) == 1 or verbose:
-        for found in studies:
-            _print_study(found, verbose)
-    if len(studies) > 1:
-        _print_sum(studies)
-
-
-def _print_study(found: Study, verbose: bool) -> None:
-    from hsr.difference.classes import DIFFERENT
-
-    title = f"{found.name}, {found.view.width}x{found.view.height}, against {found.reference or 'nothing'}"
-    table = _table("method", "differ", *DIFFERENT, "largest cluster", "render", title=title)
-    for name in found.methods:
-        if name in found.skipped:
-            table.add_row(name, _absence(found, name))
-            continue
-        render_time = _time(found.maps[name].seconds)
-        if name not in found.differences:
-            role = "reference" if name == found.reference else "-"
-            table.add_row(name, role, *[""] * (len(DIFFERENT) + 1), render_time)
-            continue
-        difference = found.differences[name]
-        counts = (f"{difference.counts[kind]:,}" for kind in DIFFERENT)
-        table.add_row(name, f"{difference.different:,}", *counts, f"{difference.largest:,}", render_time)
-    out.print(table)
-    for name, why in found.causes.items():
-        if why.wrong:
-            out.print(f"{name}: {_counted(why.counts)}", markup=False, soft_wrap=True)
-    for name, reason in found.skipped.items():
-        out.print(f"{name}: {reason}", markup=False, soft_wrap=True)
-    if verbose:
-        for difference in found.differences.values():
-            out.print(difference.summary(), markup=False, soft_wrap=True)
-    out.print()
-
-
-def _absence(found: Study, name: str) -> str:
-    return "not available" if name in found.missing else "skipped"
-
-
-def _print_sum(studies: Sequence[Study]) -> None:
-    """Print one row a method over all scenes."""
-    references = ", ".join(dict.fromkeys(found.reference or "nothing" for found in studies))
-    title = f"{len(studies)} scenes, samples that show another face than {references}"
-    table = _table("method", "scenes", "differ", "share", "most of them in", "causes", "render", title=title)
-    for name in dict.fromkeys(name for found in studies for name in found.methods):
-        table.add_row(name, *_sum_cells([found for found in studies if name in found.methods], name))
-    out.print(table)
-    if any(found.reference in found.tessellating for found in studies):
-        out.print("Methods that keep curved shapes exact rightly differ along the outlines of polygons.")
-
-
-def _sum_cells(studies: Sequence[Study], name: str) -> tuple[str, ...]:
-    ran = [found for found in studies if name in found.maps]
-    if not ran:
-        return ("0", _absence(studies[0], name))
-    total = 1e3 * sum(found.maps[name].seconds["render"] for found in ran)
-    judged = [found for found in ran if name in found.differences]
-    if not judged:
-        return (str(len(ran)), "reference", "", "", "", f"{total:,.0f} ms")
-    differ = sum(found.differences[name].different for found in judged)
-    samples = sum(found.view.width * found.view.height for found in judged)
-    worst = max(judged, key=lambda found: found.differences[name].different)
-    most = f"{worst.name} {worst.differences[name].different:,}" if differ else ""
-    causes = sum((Counter(found.causes[name].counts) for found in judged if name in found.causes), Counter())
-    why = _counted(causes)
-    return (str(len(ran)), f"{differ:,}", f"{differ / samples:.3%}", most, why, f"{total:,.0f} ms")
-
-
-def _counted(counts: Mapping[str, int]) -> str:
-    """Write counts, the greatest first: ``vertex snapping 192, tessellation 30``."""
-    ordered = sorted(counts.items(), key=lambda item: -item[1])
-    return ", ".join(f"{name} {count:,}" for name, count in ordered)
-
-
 # ---------------------------------------------------------------- diff
 
 
@@ -360,9 +259,9 @@ def diff(
 
     difference = hsr.compare(hsr.load_map(a), hsr.load_map(b))
     if as_json:
-        _print_json({"hsr": 1, "files": [str(a), str(b)], **difference.to_json()})
+        print_json({"hsr": 1, "files": [str(a), str(b)], **difference.to_json()})
     else:
-        out.print(difference.summary(clusters=None if verbose else 5), markup=False, soft_wrap=True)
+        say(difference.summary(clusters=None if verbose else 5))
     if not difference.same:
         raise typer.Exit(DIFFERS)
 
@@ -390,9 +289,9 @@ def explain(
     column, row = _sample(sample, view)
     told = history(view, row, column, _maps(view, method))
     if as_json:
-        _print_json({"hsr": 1, "scene": str(scene), **told.to_json()})
+        print_json({"hsr": 1, "scene": str(scene), **told.to_json()})
     else:
-        out.print(str(told), markup=False, soft_wrap=True)
+        say(str(told))
 
 
 def _maps(view: View, asked: Sequence[str] | None) -> list[VisibilityMap]:
@@ -433,7 +332,7 @@ def shrink(
     write_scene(found.scene, output)
     kept = "1 face" if len(found.faces) == 1 else f"{len(found.faces)} faces"
     shown = f"{a} shows {found.shown[0]}, {b} {found.shown[1]}"
-    out.print(f"wrote {output}: {kept} left; {shown}", markup=False, soft_wrap=True)
+    say(f"wrote {output}: {kept} left; {shown}")
 
 
 def _sample(text: str, view: View) -> tuple[int, int]:
@@ -460,9 +359,9 @@ def algos(as_json: Json = False) -> None:
     known = methods().values()
     if as_json:
         rows = [{"name": m.name, "about": m.about, "curved": m.curved, "needs": m.needs} for m in known]
-        _print_json({"hsr": 1, "methods": rows})
+        print_json({"hsr": 1, "methods": rows})
         return
-    table = _table("method", "curved shapes", "needs", "what it does", right=())
+    table = new_table("method", "curved shapes", "needs", "what it does", right=())
     for known_method in known:
         curved = "exact" if known_method.curved else "tessellated"
         table.add_row(known_method.name, curved, known_method.needs or "-", known_method.about)
@@ -476,10 +375,10 @@ def doctor(as_json: Json = False) -> None:
 
     found = diagnose()
     if as_json:
-        _print_json(found)
+        print_json(found)
         return
     for line in lines(found):
-        out.print(line, markup=False, soft_wrap=True)
+        say(line)
 
 
 # ---------------------------------------------------------------- scene
@@ -503,10 +402,10 @@ def check(
         except SceneError as error:
             problems[str(file)] = list(error.problems)
     if as_json:
-        _print_json({"hsr": 1, "problems": problems})
+        print_json({"hsr": 1, "problems": problems})
     elif not quiet:
         for name, found in problems.items():
-            out.print("\n".join(found) if found else f"{name}: ok", markup=False, soft_wrap=True)
+            say("\n".join(found) if found else f"{name}: ok")
     if any(problems.values()):
         raise typer.Exit(USAGE)
 
@@ -523,10 +422,10 @@ def info(
 
     found = describe(hsr.load(file), _size(size))
     if as_json:
-        _print_json(found)
+        print_json(found)
         return
     for line in lines(found):
-        out.print(line, markup=False, soft_wrap=True)
+        say(line)
 
 
 @scene_app.command()
@@ -561,42 +460,6 @@ def _check_folder(output: Path | None) -> None:
     """Refuse a file that cannot be written before the work is done, not after."""
     if output is not None and not output.parent.is_dir():
         raise HsrError(f"{output}: there is no folder {output.parent}; make it first")
-
-
-def _table(*columns: str, title: str | None = None, right: Sequence[str] | None = None) -> Table:
-    """Return a plain table; all columns but the first are numbers unless ``right`` names them."""
-    table = Table(title=title, box=None, pad_edge=False, title_justify="left")
-    numbers = columns[1:] if right is None else right
-    for column in columns:
-        side: JustifyMethod = "right" if column in numbers else "left"
-        table.add_column(column, justify=side, no_wrap=column in columns[:2])
-    return table
-
-
-def _time(seconds: dict[str, float]) -> str:
-    return f"{1e3 * seconds.get('render', 0.0):.1f} ms"
-
-
-def _print_json(value: Any) -> None:
-    print(json.dumps(value, indent=2))
-
-
-@contextmanager
-def _progress(quiet: bool, total: int) -> Iterator[Callable[[str], None]]:
-    """Show a bar on standard error when it is a terminal; the yielded function starts a step."""
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
-    with Progress(*columns, console=err, transient=True, disable=quiet or not err.is_terminal) as bar:
-        task = bar.add_task("", total=total)
-        started = False
-
-        def step(name: str) -> None:
-            nonlocal started
-            bar.update(task, description=name, advance=int(started))
-            started = True
-
-        yield step
 
 
 if __name__ == "__main__":
