@@ -119,6 +119,17 @@ def test_tessellation_is_named(method: str) -> None:
     assert found.counts == {"tessellation": found.wrong} and found.wrong > 0
 
 
+def test_objects_out_of_reach_leave_nothing_to_judge() -> None:
+    """Where only the sphere is and no polygon of it, of neither way of culling is there any left."""
+    camera = {"type": "orthographic", "eye": [0.0, 0.0, 3.0], "height": 4.0, "far": 9.0}
+    away = [{"scale": 0.25}, {"translate": [1.5, 1.5, 0.0]}]
+    square = {"name": "square", "shape": "square", "cull": "back", "transform": away}
+    things = [{"name": "ball", "shape": "sphere"}, square]
+    seen = view(Scene.model_validate({"camera": [camera], "object": things, "segments": 3}), (32, 32))
+    found = named(seen, "zbuffer", exact.render(seen, exact.Options()))
+    assert found.counts == {"tessellation": found.wrong} and found.wrong > 0
+
+
 def test_the_missing_depth_test_is_named(truth: VisibilityMap) -> None:
     found = named(soup(), "backface", truth)
     assert found.counts == {"no depth test": found.wrong} and found.wrong > 0

@@ -59,7 +59,7 @@ def of_polygons(view: View, polygons: WorldPolygons, chosen: Bools) -> View:
 
 def _objects(polygons: WorldPolygons, chosen: Bools) -> Iterator[Placement]:
     whole = chosen & (np.diff(polygons.start) >= 3)
-    for cull in np.unique(polygons.cull):
+    for cull in np.unique(polygons.cull[whole]):
         part = _part(polygons, whole & (polygons.cull == cull))
         shape = Shape(Kind.MESH, "mesh", part)
         yield Placement("", shape, np.eye(4), 0, int(cull), False, (0.0, 0.0, 0.0))
