@@ -1,7 +1,7 @@
 """What float64 can prove: for every sample, the pieces that may be nearest there.
 
 Every bound below is a forward analysis (Higham, "Accuracy and Stability of Numerical Algorithms",
-section 3.1) with u = 2^-53; i and j are exact, and every coefficient is rounded once or twice. A sum
+section 3.1) with u = 2^-53; i and j are exact, and every coefficient is rounded three times at most. A sum
 of n products, rounded m times in all on the way into each, is off by at most
 (n + m) u / (1 - (n + m) u) times the sum of their absolute values. Here n + m <= 9, and ``ROUNDING``
 is 16 u: that also covers the roundings of the bound itself and of what it is compared with. Against
@@ -104,7 +104,7 @@ def triangle_tables(triangles: Triangles, nearer: int, width: int, height: int) 
     half[told] = _proportions(triangles.half[told])
     # What is left out is far below the slack; it would overflow as a divisor.
     half[np.abs(half) < TINY_SLOPE] = 0.0
-    key = ratio(-nearer * triangles.zeta, triangles.det[:, None])
+    key = -nearer * ratio(triangles.zeta, triangles.det[:, None])
     ends = np.array([width, height, 1.0])
     slack = ROUNDING * (np.abs(half) @ ends) + TINY
     key_slack = ROUNDING * (np.abs(key) @ ends) + TINY

@@ -35,7 +35,7 @@ HALVES = 5
 MARGIN = 2.0**-20
 """Pixels by which a bounding box is widened.
 
-The coordinates of a corner on the image are rounded three times; those that matter are below
+The coordinates of a corner on the image are rounded five times at most; those that matter are below
 2**16, so that each rounding is at most 2**-37.
 """
 
@@ -215,9 +215,9 @@ def plane_name(form: Sequence[int]) -> tuple[int, ...]:
 
 
 def ratio(numerator: Array, denominator: Array | int) -> Floats:
-    """Divide integers, each quotient rounded once to the nearest float64; infinite if out of range."""
+    """Divide integers to float64; both and their quotient are rounded, which is infinite if out of range."""
     try:
-        return np.asarray(numerator / denominator, dtype=np.float64)
+        return np.asarray(numerator.astype(np.float64) / np.asarray(denominator, dtype=np.float64))
     except OverflowError:
         return np.asarray(np.frompyfunc(_quotient, 2, 1)(numerator, denominator), dtype=np.float64)
 
