@@ -18,6 +18,7 @@ import typer
 from hsr import __version__
 from hsr.console import err, new_table, out, print_json, print_renders, print_studies, progress, say
 from hsr.errors import HsrError, UnavailableError
+from hsr.output import write_whole
 
 if TYPE_CHECKING:
     from hsr.difference.study import Study
@@ -439,10 +440,7 @@ def schema(
     if file is None:
         print(text)
         return
-    try:
-        file.write_text(text + "\n", encoding="utf-8")
-    except OSError as error:
-        raise HsrError(f"{file}: cannot write the schema: {error.strerror}") from error
+    write_whole(file, text + "\n", "the schema")
 
 
 # ---------------------------------------------------------------- shared

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from PIL import Image
 
 from hsr.arrays import Array, Floats, Ints, Pixels
 from hsr.errors import HsrError
+from hsr.output import write_whole
 from hsr.scene.model import Ambient, Directional, Light
 from hsr.scene.shapes import Kind, Polygons
 from hsr.viewing import Placement, View
@@ -252,8 +254,6 @@ def save_picture(picture: Pixels, path: str | Path) -> None:
     HsrError
         If the file cannot be written.
     """
-    try:
-        with Path(path).open("wb") as file:
-            Image.fromarray(picture).save(file, format="PNG", optimize=True)
-    except OSError as error:
-        raise HsrError(f"{path}: cannot write the picture: {error.strerror}") from error
+    file = BytesIO()
+    Image.fromarray(picture).save(file, format="PNG", optimize=True)
+    write_whole(path, file.getvalue(), "the picture")

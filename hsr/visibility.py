@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ import numpy as np
 
 from hsr.arrays import Array, Bools, Floats, Ints
 from hsr.errors import MapError
+from hsr.output import write_whole
 
 BACKGROUND = -1
 """The face id of a sample that no face owns."""
@@ -140,11 +142,9 @@ class VisibilityMap:
         """
         meta = {"hsr": FORMAT} | {key: getattr(self, key) for key in TOLD}
         text = json.dumps(meta, sort_keys=True, separators=(",", ":"))
-        try:
-            with Path(path).open("wb") as file:
-                np.savez_compressed(file, meta=np.array(text, dtype=np.str_), **self._arrays())  # type: ignore[arg-type]
-        except OSError as error:
-            raise MapError(f"{path}: cannot write the map: {error.strerror}") from error
+        file = BytesIO()
+        np.savez_compressed(file, meta=np.array(text, dtype=np.str_), **self._arrays())  # type: ignore[arg-type]
+        write_whole(path, file.getvalue(), "the map", MapError)
 
     def _arrays(self) -> dict[str, Array]:
         """Return the arrays of the file by name."""

@@ -185,13 +185,18 @@ def render(
     Raises
     ------
     MethodError
-        If the method or an option does not exist, or size or camera are given with a view.
+        If the method or an option does not exist, size or camera are given with a view, or what is given is
+        neither a scene nor a view.
     ViewError
         If the view cannot be made.
     UnavailableError
         If the method needs what this machine lacks.
     """
     chosen = method_named(method)
+    if not isinstance(scene, Scene | View):
+        raise MethodError(
+            f"render takes a scene or a view, not {type(scene).__name__}; read a file by hsr.load"
+        )
     if isinstance(scene, View):
         if size is not None or camera is not None:
             raise MethodError("a view has its size and camera; give them only with a scene")

@@ -20,6 +20,7 @@ from hsr.difference.classes import DIFFERENT, SampleClass
 from hsr.difference.models.stages import Cause
 from hsr.difference.study import Study
 from hsr.errors import HsrError
+from hsr.output import write_whole
 from hsr.report.pictures import CLASS_COLOURS, Album, gather
 
 PACKAGES = ("hsr-lab", "numpy", "numba", "scipy", "moderngl")
@@ -52,21 +53,7 @@ def write_report(
             raise HsrError(f"nothing to report on {found.name}: every method was skipped")
     if not studies:
         raise HsrError("nothing to report: no scenes")
-    page = _render(studies, title)
-    try:
-        _replace(Path(path), page)
-    except OSError as error:
-        raise HsrError(f"{path}: cannot write the report: {error.strerror}") from error
-
-
-def _replace(path: Path, text: str) -> None:
-    """Write a whole file or leave what is there."""
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        unfinished.write_text(text, encoding="utf-8")
-        unfinished.replace(path)
-    finally:
-        unfinished.unlink(missing_ok=True)
+    write_whole(path, _render(studies, title), "the report")
 
 
 def _render(studies: Sequence[Study], title: str) -> str:

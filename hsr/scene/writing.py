@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hsr.errors import SceneError
+from hsr.output import write_whole
 from hsr.scene.model import Scene
 
 INDENT = "  "
@@ -46,10 +47,7 @@ def write_scene(scene: Scene, path: str | Path) -> None:
     SceneError
         If the file cannot be written.
     """
-    try:
-        Path(path).write_text(to_toml(scene), encoding="utf-8")
-    except OSError as error:
-        raise SceneError(f"{path}: cannot write the scene: {error.strerror}") from error
+    write_whole(path, to_toml(scene), "the scene", SceneError)
 
 
 def _is_tables(value: Any) -> bool:

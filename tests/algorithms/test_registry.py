@@ -120,3 +120,8 @@ def test_other_packages_register_methods(monkeypatch: pytest.MonkeyPatch, make_s
             methods()
     finally:
         methods.cache_clear()
+
+
+def test_a_path_is_no_scene() -> None:
+    with pytest.raises(MethodError, match=r"render takes a scene or a view, not str; read a file by hsr\.load"):
+        hsr.render("scenes/cube.toml", "zbuffer")  # type: ignore[arg-type]

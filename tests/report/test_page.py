@@ -184,7 +184,7 @@ def test_a_report_is_replaced_whole_or_not_at_all(
         raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patched:
-        patched.setattr(Path, "write_text", full_disk)
+        patched.setattr(Path, "write_bytes", full_disk)
         with pytest.raises(HsrError, match=r"r\.html: cannot write the report: No space left"):
             write_report([studied], target)
     assert target.read_text(encoding="utf-8") == "before" and list(tmp_path.iterdir()) == [target]
