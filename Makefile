@@ -26,7 +26,7 @@ test: $(VENV)/test.stamp opengl browser
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/pytest -n 2
-	NUMBA_DISABLE_JIT=1 $(BIN)/pytest -n 2 tests/kernels tests/algorithms
+	NUMBA_DISABLE_JIT=1 $(BIN)/pytest -n 2 tests/kernels tests/algorithms tests/exact tests/difference
 
 
 proof: $(VENV)/test.stamp opengl
