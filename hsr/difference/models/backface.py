@@ -2,20 +2,13 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 from hsr.algorithms.backface import Options, render
-from hsr.arrays import Array, Floats, Ints
+from hsr.arrays import Array, Ints
 from hsr.difference.models.rounded import tessellation
-from hsr.difference.models.stages import Cause, Pipeline, Stage
+from hsr.difference.models.stages import Cause, Pipeline, Stage, rerun
 from hsr.viewing import View
 
-
-@lru_cache(maxsize=1)
-def rendered(view: View, options: Options) -> tuple[Ints, Floats]:
-    """Run the method again: its faces and depths (H, W)."""
-    again = render(view, options)
-    return again.face, again.depth
+rendered = rerun(render)
 
 
 def no_depth_test(view: View, options: Options, samples: Array) -> Ints:

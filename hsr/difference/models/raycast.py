@@ -19,14 +19,13 @@ leaves the truth.
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
 from hsr.algorithms.raycast import Options, cast_by_list, render, screen_matrices
 from hsr.arrays import Array, Floats, Ints
 from hsr.difference.models.rounded import seen_along_third, true_faces
-from hsr.difference.models.stages import Cause, Pipeline, Stage
+from hsr.difference.models.stages import Cause, Pipeline, Stage, rerun
 from hsr.scene.shapes import Kind
 from hsr.viewing import Placement, View
 
@@ -62,11 +61,7 @@ def traversal(view: View, options: Options, samples: Array) -> Ints:
     return np.where(cast_by_list(view, samples) == own, transform(view, options, samples), own)
 
 
-@lru_cache(maxsize=1)
-def rendered(view: View, options: Options) -> tuple[Ints, Floats]:
-    """Run the method again: its faces and depths (H, W)."""
-    again = render(view, options)
-    return again.face, again.depth
+rendered = rerun(render)
 
 
 def intersector(view: View, options: Options, samples: Array) -> Ints:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 from hsr.arrays import Array, Floats, Ints
 from hsr.viewing import View
+from hsr.visibility import VisibilityMap
 
 
 class Cause(IntEnum):
@@ -65,3 +67,17 @@ class Pipeline:
 
     stages: tuple[Stage, ...]
     whole: Callable[[View, Any], tuple[Ints, Floats]] | None
+
+
+def rerun(render: Callable[[View, Any], VisibilityMap]) -> Callable[[View, Any], tuple[Ints, Floats]]:
+    """Return the last model of a method: the method run again, for its faces and depths (H, W).
+
+    The last answer is kept for the next question about the same view.
+    """
+
+    @lru_cache(maxsize=1)
+    def rendered(view: View, options: Any) -> tuple[Ints, Floats]:
+        again = render(view, options)
+        return again.face, again.depth
+
+    return rendered

@@ -8,16 +8,15 @@ their arithmetic and their format are one stage: the method itself, run once mor
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import lru_cache
 
 import numpy as np
 
 from hsr.algorithms import zbuffer
 from hsr.algorithms.tiles import Options, fans, render
-from hsr.arrays import Array, Floats, Ints
+from hsr.arrays import Array, Ints
 from hsr.difference.models import zbuffer as scanned
 from hsr.difference.models.rounded import tessellation
-from hsr.difference.models.stages import Cause, Pipeline, Stage
+from hsr.difference.models.stages import Cause, Pipeline, Stage, rerun
 from hsr.kernels.tiles import rasterise
 from hsr.viewing import View, WorldPolygons
 
@@ -49,11 +48,7 @@ def _drawn(view: View, polygons: WorldPolygons, layers: list[list[int]]) -> Iter
         yield rasterise(polygons.vertices, triangle[which], number[which], cull, size)[0]
 
 
-@lru_cache(maxsize=1)
-def rendered(view: View, options: Options) -> tuple[Ints, Floats]:
-    """Run the method again: its faces and depths (H, W)."""
-    again = render(view, options)
-    return again.face, again.depth
+rendered = rerun(render)
 
 
 def depth_format(view: View, options: Options, samples: Array) -> Ints:

@@ -22,7 +22,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from fractions import Fraction
-from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -36,7 +35,7 @@ from hsr.difference.models.rounded import (
     tessellation,
     true_faces,
 )
-from hsr.difference.models.stages import Cause, Pipeline, Stage
+from hsr.difference.models.stages import Cause, Pipeline, Stage, rerun
 from hsr.kernels import scanline
 from hsr.kernels.clipping import clip_polygons, view_volume
 from hsr.kernels.projection import clip_rows, to_clip, to_screen
@@ -232,11 +231,7 @@ def _plane(polygons: WorldPolygons, i: int) -> tuple[Fraction, Fraction, Fractio
 # ---------------------------------------------------------------- the method itself
 
 
-@lru_cache(maxsize=1)
-def rendered(view: View, options: Options) -> tuple[Ints, Floats]:
-    """Run the method again: its faces and depths (H, W)."""
-    again = render(view, options)
-    return again.face, again.depth
+rendered = rerun(render)
 
 
 def depth_arithmetic(view: View, options: Options, samples: Array) -> Ints:
