@@ -123,5 +123,5 @@ def test_other_packages_register_methods(monkeypatch: pytest.MonkeyPatch, make_s
 
 
 def test_a_path_is_no_scene() -> None:
-    with pytest.raises(MethodError, match=r"render takes a scene or a view, not str; read a file by hsr\.load"):
+    with pytest.raises(MethodError, match=r"takes a scene or a view, not str; read a file by hsr\.load"):
         hsr.render("scenes/cube.toml", "zbuffer")  # type: ignore[arg-type]
