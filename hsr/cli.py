@@ -269,8 +269,11 @@ def diff(
 
 # ---------------------------------------------------------------- explain, shrink
 
+NEGATIVE = {"ignore_unknown_options": True}
+"""So that the sample -1,3 is outside the image, and not an unknown option."""
 
-@app.command()
+
+@app.command(context_settings=NEGATIVE)
 def explain(
     scene: Annotated[Path, typer.Argument(help="Scene or mesh file.")],
     sample: Sample,
@@ -307,7 +310,7 @@ def _maps(view: View, asked: Sequence[str] | None) -> list[VisibilityMap]:
     return maps
 
 
-@app.command()
+@app.command(context_settings=NEGATIVE)
 def shrink(
     scene: Annotated[Path, typer.Argument(help="Scene or mesh file.")],
     sample: Sample,

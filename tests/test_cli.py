@@ -162,6 +162,7 @@ def test_compare_fails_on_a_class_it_meets(run: Any) -> None:
         (("compare", CUBE, "-a", "raycats"), "no method is named 'raycats'"),
         (("compare", CUBE, "--ref", "truth"), "no method is named 'truth'"),
         (("compare", CUBE, "--size", "8", "-a", "zbuffer", "-o", "no/folder/r.html"), "no/folder/r.html"),
+        (("explain", CUBE, "-1,3"), "no sample at column -1, row 3: the image is 512x512"),
         (("diff", "none.npz", "none.npz"), "none.npz: no such file"),
         (("scene", "info", "none.toml"), "none.toml"),
         (("scene", "schema", "no/folder/schema.json"), "cannot write the schema"),

@@ -18,6 +18,7 @@ import numpy as np
 
 from hsr.algorithms.registry import Method, methods
 from hsr.arrays import Array, Pixels
+from hsr.difference.models.rounded import tessellated_truth
 from hsr.difference.models.stages import Cause, Pipeline
 from hsr.errors import MapError
 from hsr.viewing import View
@@ -148,6 +149,9 @@ def _traced(view: View, answer: VisibilityMap, pipeline: Pipeline, options: Any,
             break
         alike = alike[stage.faces(view, options, samples[alike]) == shown[alike]]
         cause[alike] = stage.cause
+    if len(samples) and view.curved and pipeline.stages[0].cause == Cause.TESSELLATION:
+        # Who may own a tie of the tessellated view is wrong by the tessellation alone.
+        cause[tessellated_truth(view).admits(answer.face).ravel()[samples]] = Cause.TESSELLATION
     return cause
 
 

@@ -19,6 +19,7 @@ from hsr.difference.models.stages import Cause
 from hsr.errors import MapError, MethodError
 from hsr.kernels import hierarchy, scanline
 from hsr.scene.model import Scene
+from hsr.scene.shapes import Kind, tessellated
 from hsr.viewing import View, view
 from hsr.visibility import VisibilityMap
 from tests.difference.planted import prism, soup
@@ -253,3 +254,22 @@ def test_maps_must_fit(truth: VisibilityMap) -> None:
         causes(seen, hsr.render(prism(), "zbuffer"), truth)
     with pytest.raises(MapError, match="does not say who may own ties"):
         causes(seen, hsr.render(seen, "zbuffer"), hsr.render(seen, "raycast"))
+
+
+# ---------------------------------------------------------------- ties of the tessellated view
+
+
+def test_a_tie_of_the_tessellated_view_is_wrong_by_tessellation_alone() -> None:
+    corners = tessellated(Kind.CYLINDER, 5).polygons
+    assert corners is not None
+    transform = [{"rotate_x": 71.0}, {"rotate_y": 13.0}, {"scale": 1.3}]
+    drum = {"name": "drum", "shape": "cylinder", "transform": transform}
+    hull = {"name": "hull", "shape": "mesh", "transform": transform}
+    hull |= {"vertices": corners.vertices.tolist(), "faces": corners.triangle_vertex.tolist()}
+    camera = {"type": "perspective", "eye": [0.3, 0.4, 5.0]}
+    scene = Scene.model_validate({"hsr": 1, "segments": 5, "camera": [camera], "object": [drum, hull]})
+    seen = view(scene, (64, 64))
+    truth = method_named("exact").render(seen)
+    for name in ("zbuffer", "zbuffer-direct", "zbuffer-tiles"):
+        why = causes(seen, method_named(name).render(seen), truth)
+        assert why.wrong > 100 and set(why.counts) == {"tessellation"}, name

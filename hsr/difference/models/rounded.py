@@ -13,10 +13,12 @@ from functools import lru_cache
 
 import numpy as np
 
+from hsr.algorithms import exact
 from hsr.arrays import Array, Bools, Ints
 from hsr.exact.oracle import truth
 from hsr.scene.shapes import Kind, Polygons, Shape
 from hsr.viewing import Placement, View, WorldPolygons
+from hsr.visibility import VisibilityMap
 
 THIRD = [0.0, 0.0, 1.0, 0.0]
 """The row of a matrix that reads off the third coordinate."""
@@ -28,14 +30,14 @@ def true_faces(view: View) -> Ints:
 
 
 @lru_cache(maxsize=1)
-def _tessellated_faces(view: View) -> Ints:
-    """Return the exact owner (H W,) of every sample of the tessellated view; kept for the next method."""
-    return true_faces(view.tessellated())
+def tessellated_truth(view: View) -> VisibilityMap:
+    """Return the exact map of the tessellated view; kept for the next method."""
+    return exact.render(view.tessellated(), exact.Options())
 
 
 def tessellation(view: View, options: object, samples: Array) -> Ints:  # noqa: ARG001
     """Model the stage common to all methods that know no curved shapes."""
-    return _tessellated_faces(view)[samples]
+    return tessellated_truth(view).face.ravel()[samples]
 
 
 def of_polygons(view: View, polygons: WorldPolygons, chosen: Bools) -> View:
