@@ -2,8 +2,8 @@
 
 After Hill and Kelley, "Computer Graphics Using OpenGL" (3rd edition, chapter 12), with four ways to
 go through the list: every face of every object; an extent around every object; hierarchies of
-extents; and, in ``raytiles``, tiles of coherent rays. All four share the tests below and keep the
-best of what they test by one rule, so that they find the same face at every sample.
+extents; and, in ``raytiles``, tiles of coherent rays. All four share the tests of ``facets`` and those
+below and keep the best of what they test by one rule, so that they find the same face at every sample.
 
 A sample lies ``(x, y)`` pixels right of and below the image centre. Hits are compared by *nearness*,
 1 / depth under perspective and -depth in a parallel view; of equal nearness the lower face id wins.
@@ -18,10 +18,9 @@ import numpy as np
 from hsr.arrays import Array, Floats, Ints
 from hsr.jit import jit, parallel_jit, prange
 from hsr.kernels.bounds import Beam, Corner, Vector, box_entry, corner_of, nearness_of
+from hsr.kernels.facets import covered_nearness, facet_of, row_of
 from hsr.kernels.hierarchy import INNER, STACK
 from hsr.kernels.quadrics import (
-    BACK,
-    FRONT,
     NO_FACE,
     cylinder_span,
     first_hit,
@@ -40,9 +39,6 @@ RAYS, NODES, EXTENT_TESTS, FACE_TESTS, HITS = range(5)
 """Places in an array of work counts. Tests of generic shapes count as one face test each."""
 
 COUNTS = 5
-
-SMALLEST = 5e-324
-"""The least number above 0: ``e >= SMALLEST`` is ``e > 0``."""
 
 
 class Camera(NamedTuple):
@@ -94,137 +90,6 @@ root are objects.
 
 TRIANGLE = np.dtype([("corner", np.int32, 3), ("face", np.int32)])
 """One triangle of a mesh: rows of its vertices, and its face, counted from the object's first."""
-
-
-# ---------------------------------------------------------------- one triangle on the screen
-
-
-class Facet(NamedTuple):
-    """A triangle made ready for its coverage test.
-
-    Attributes
-    ----------
-    turn : float
-        Its orientation on the screen, 1 or -1; 0 if it covers nothing.
-    x, y, h : 3 floats
-        Columns, rows and weights of its corners.
-    least : 3 floats
-        What the edge function opposite each corner must at least be at a covered sample.
-    plane : 3 floats
-        Nearness at (x, y) is ``plane . (x, y, 1)``.
-    low, high : float
-        The least and greatest nearness of its corners.
-    """
-
-    turn: float
-    x: Vector
-    y: Vector
-    h: Vector
-    least: Vector
-    plane: Vector
-    low: float
-    high: float
-
-
-class Row(NamedTuple):
-    """A facet on one row of samples: ``y`` is relative to the row and times ``turn``."""
-
-    x: Vector
-    y: Vector
-    h: Vector
-    least: Vector
-    slope: float
-    start: float
-    low: float
-    high: float
-
-
-ZERO = (0.0, 0.0, 0.0)
-NOTHING = Facet(0.0, ZERO, ZERO, ZERO, ZERO, ZERO, 0.0, 0.0)
-
-
-@jit
-def facet_of(a: Corner, b: Corner, c: Corner, perspective: bool, cull: int, mirrored: bool) -> Facet:
-    """Prepare a triangle from its projected corners.
-
-    Corners at or behind the eye are as good as any, for the edge functions are those of homogeneous
-    corners (Olano and Greer, "Triangle Scan Conversion Using 2D Homogeneous Coordinates", 1997). A
-    triangle seen edge-on covers nothing.
-    """
-    # Take the plane n . p = m through the corners (column, row, depth).
-    ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-    vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
-    nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-    m = nx * a[0] + ny * a[1] + nz * a[2]
-
-    # Decide the facing by the sign of the projected area; rows run down, so a front is negative.
-    area = m if perspective else nz
-    front = (area < 0.0) != mirrored
-    if area == 0.0 or (cull == BACK and not front) or (cull == FRONT and front):
-        return NOTHING
-    turn = 1.0 if area > 0.0 else -1.0
-
-    # Give every edge its owner at a sample that lies exactly on it.
-    h = (a[2], b[2], c[2]) if perspective else (1.0, 1.0, 1.0)
-    least = (
-        least_inside(b, c, h[1], h[2], turn),
-        least_inside(c, a, h[2], h[0], turn),
-        least_inside(a, b, h[0], h[1], turn),
-    )
-
-    # Solve the plane for the nearness along the ray: its end is (x, y, 1) t, or (x, y, t).
-    plane = (nx / area, ny / area, (nz if perspective else -m) / area)
-    x, y = (a[0], b[0], c[0]), (a[1], b[1], c[1])
-    return Facet(turn, x, y, h, least, plane, min(a[3], b[3], c[3]), max(a[3], b[3], c[3]))
-
-
-@jit
-def least_inside(p: Corner, q: Corner, p_weight: float, q_weight: float, turn: float) -> float:
-    """Return the least value of the edge function of p q at a covered sample.
-
-    A sample exactly on an edge belongs to the face it enters when moved right and, less than that,
-    down: the top-left rule. The edge function grows by ``across`` to the right and ``down`` below.
-    Opposite edges have opposite growth, without rounding, so one of two neighbours is the owner.
-    """
-    across = turn * (p[1] * q_weight - p_weight * q[1])
-    down = turn * (p_weight * q[0] - p[0] * q_weight)
-    return 0.0 if across > 0.0 or (across == 0.0 and down > 0.0) else SMALLEST
-
-
-@jit
-def row_of(facet: Facet, y: float) -> Row:
-    """Carry a facet to the row of samples at height y."""
-    turn, h = facet.turn, facet.h
-    relative = (
-        turn * (facet.y[0] - y * h[0]),
-        turn * (facet.y[1] - y * h[1]),
-        turn * (facet.y[2] - y * h[2]),
-    )
-    start = facet.plane[1] * y + facet.plane[2]
-    return Row(facet.x, relative, h, facet.least, facet.plane[0], start, facet.low, facet.high)
-
-
-@jit
-def covered_nearness(row: Row, x: float, closest: float) -> float:
-    """Return the nearness of a facet at column x of a row, ``-inf`` where it does not count.
-
-    It counts where the sample is inside all three edges and the nearness at most ``closest``. The
-    edge functions take the corners relative to the sample (Woop, Benthin and Wald, "Watertight
-    Ray/Triangle Intersection", JCGT 2013). Exchanging the ends of an edge changes its sign and
-    nothing else, so that no sample falls between two triangles, or into both.
-    """
-    ax, bx, cx = row.x[0] - x * row.h[0], row.x[1] - x * row.h[1], row.x[2] - x * row.h[2]
-    ay, by, cy = row.y
-    inside = (
-        (bx * cy - by * cx >= row.least[0])
-        & (cx * ay - cy * ax >= row.least[1])
-        & (ax * by - ay * bx >= row.least[2])
-    )
-    # The plane of a facet nearly edge-on is steep: keep its rounding between the corners.
-    nearness = row.slope * x + row.start
-    nearness = nearness if nearness > row.low else row.low
-    nearness = nearness if nearness < row.high else row.high
-    return nearness if inside & (nearness <= closest) else -np.inf
 
 
 # ---------------------------------------------------------------- the hits of one object

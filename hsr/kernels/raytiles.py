@@ -19,6 +19,7 @@ import numpy as np
 from hsr.arrays import Array, Floats, Ints
 from hsr.jit import jit, parallel_jit, prange
 from hsr.kernels.bounds import Corner, Reach, corner_of, reach_box, reach_triangle, samples_of
+from hsr.kernels.facets import Facet, covered_nearness, facet_of, row_of
 from hsr.kernels.hierarchy import INNER, STACK
 from hsr.kernels.rays import (
     EXTENT_TESTS,
@@ -27,14 +28,10 @@ from hsr.kernels.rays import (
     NODES,
     Best,
     Camera,
-    Facet,
     answer_of,
     better,
     counted,
-    covered_nearness,
-    facet_of,
     generic_hit,
-    row_of,
     tally,
 )
 
