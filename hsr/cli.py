@@ -321,6 +321,7 @@ def shrink(
     ] = None,
     size: Size = "512x512",
     camera: CameraName = None,
+    as_json: Json = False,
 ) -> None:
     """Find the smallest scene in which two methods still disagree at a sample."""
     import hsr
@@ -330,10 +331,15 @@ def shrink(
     loaded = hsr.load(scene)
     column, row = _sample(sample, hsr.view(loaded, _size(size), camera))
     found = smallest(loaded, row, column, a, b, _size(size), camera)
+    if output is not None:
+        write_scene(found.scene, output)
+    if as_json:
+        facts = {"faces": len(found.faces), "shown": dict(zip((a, b), found.shown, strict=True))}
+        print_json({"hsr": 1, "sample": [column, row], **facts, "scene": to_toml(found.scene)})
+        return
     if output is None:
         print(to_toml(found.scene), end="")
         return
-    write_scene(found.scene, output)
     kept = "1 face" if len(found.faces) == 1 else f"{len(found.faces)} faces"
     shown = f"{a} shows {found.shown[0]}, {b} {found.shown[1]}"
     say(f"wrote {output}: {kept} left; {shown}")

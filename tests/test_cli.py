@@ -278,6 +278,8 @@ def test_shrink_writes_a_scene_that_still_disagrees(run: Any, tmp_path: Path) ->
     code, out, _ = run("shrink", *arguments, "--size", "16", "-o", str(small))
     assert code == 0 and out == (f"wrote {small}: 2 faces left; backface shows far, zbuffer near\n")
     assert run("shrink", *arguments, "--size", "16")[1] == small.read_text()
+    told = json.loads(run("shrink", *arguments, "--size", "16", "--json")[1])
+    assert told["scene"] == small.read_text() and set(told["shown"]) == {"backface", "zbuffer"}
     faces = [hsr.render(hsr.load(small), method, (16, 16)).face[8, 8] for method in ("backface", "zbuffer")]
     assert faces == [1, 0]
 
