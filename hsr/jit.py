@@ -13,7 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
-# An idle thread of GNU OpenMP spins at its barrier: on a busy machine a 2 ms kernel takes 24 ms.
+# An idle thread of GNU OpenMP spins at its barrier, and on a busy machine takes time from the others.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 os.environ.setdefault("GOMP_SPINCOUNT", "0")
 
