@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from decimal import Decimal, localcontext
 from fractions import Fraction
 from typing import Any
@@ -206,6 +207,21 @@ def test_corners_behind_the_eye() -> None:
     assert (face[:3] == -1).all()
     assert (face[4:] == 0).any()
     assert face.tolist() == brute.over_all(view_, brute.owner)
+
+
+# ---------------------------------------------------------------- by what must not matter
+
+
+@pytest.mark.parametrize("shapes", [PLANAR, CURVED], ids=["planar", "curved"])
+def test_the_scale_of_clip_space_does_not_matter(shapes: tuple[str, ...]) -> None:
+    for seed in range(10):
+        view_ = hard_view(seed, shapes)
+        found, scaled = (
+            everything(view_),
+            everything(replace(view_, clip_from_world=4.0 * view_.clip_from_world)),
+        )
+        assert (found.face == scaled.face).all()
+        assert (found.depth == scaled.depth).all()
 
 
 # ---------------------------------------------------------------- curved, by hand

@@ -1,9 +1,10 @@
 """Curved pieces in integers: where a line of sight meets spheres and cylinders, and in which order.
 
 In object space the line of sight of a sample is (O + t V) / s, with integers s > 0 and O, V affine in the
-sample's place; t is the depth in a parallel view and w under perspective, and grows away from the eye. A
-sphere or the side of a cylinder is met where a t^2 + 2 b t + c = 0, at t = (-b -+ sqrt(r)) / a with
-r = b^2 - a c: the minus sign where the line enters, and so sees the outside. A disc is met at one t.
+sample's place; t is the depth in a parallel view and w under perspective, times ``Frame.unit``, and so grows
+away from the eye. A sphere or the side of a cylinder is met where a t^2 + 2 b t + c = 0, at
+t = (-b -+ sqrt(r)) / a with r = b^2 - a c: the minus sign where the line enters, and so sees the outside. A
+disc is met at one t.
 
 At (x + e, y + d) all these numbers are polynomials in d and e, here called germs. As d is smaller than every
 power of e, the sign of a germ is that of its term of least power of d and, among those, of e. Signs of
@@ -29,7 +30,7 @@ from hsr.scene.shapes import Kind
 from hsr.viewing import Placement
 
 GERMS = fmpz_mpoly_ctx.get(("d", "e"), Ordering.lex)
-ZERO, ONE = GERMS.constant(0), GERMS.constant(1)
+ZERO = GERMS.constant(0)
 
 
 def germ(function: Array, i: int, j: int) -> fmpz_mpoly:
@@ -113,7 +114,7 @@ class Line:
         return _dot(v, v), _dot(o, v), _dot(o, o) - self.scale**2
 
     def between(self, limits: Sequence[int], t: Root) -> bool:
-        """Tell whether a point is between near and far, both closed."""
+        """Tell whether a point is between near and far, both closed; then it is in front of the eye."""
         return all(
             t.sign_of(way * self.depth_step, way * (self.depth_origin - limit * self.scale)) >= 0
             for way, limit in zip((1, -1), limits, strict=False)
@@ -210,7 +211,7 @@ class Hit:
         There the denominator does not vanish: a hit is near the bounded surface, and if the line ran along
         the side or a disc, its hits in the limit would go to infinity or to the eye.
         """
-        assert self.line is not None
+        assert self.line is not None, "the depth on a planar piece is that of its facet"
         t, line = self.t, self.line
         p = _constant(line.depth_origin * t.s + line.depth_step * t.p)
         q = _constant(line.depth_step) * t.q
@@ -238,7 +239,7 @@ class CurvedPiece:
         Affine functions (A, B, C) of a sample's place; see :class:`Line`.
     scale : int
     depth_row : (4,) object
-        Root of an object's point (x, y, z, 1), times ``frame.unit``.
+        Depth of a point (x, y, z, 1) of the object, times ``frame.unit``.
     """
 
     frame: Frame
@@ -261,8 +262,7 @@ class CurvedPiece:
         line = self.line(i, j)
         for t, outside in self.meet(line):
             culled = self.cull == (2 if outside else 1)
-            in_front = not self.frame.perspective or t.sign_of(ONE, ZERO) > 0
-            if not culled and in_front and line.between(self.frame.limits, t):
+            if not culled and line.between(self.frame.limits, t):
                 yield Hit(self.face, t, line)
 
 

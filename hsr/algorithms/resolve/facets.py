@@ -9,6 +9,7 @@ the determinant's. Other affine functions on the triangle are combinations of th
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 
@@ -28,13 +29,9 @@ class Facets:
         Whether a piece takes part: it is neither culled nor seen edge-on.
     inside : (n, 4 or 5, 3) object
         Not negative where a piece takes part: its edges, near, and far unless that is infinite.
-    grows : (n, 4 or 5) bool
-        Whether those that vanish at a sample are not negative to the right and then down of it.
     plane : (n, 4) object
         (A, B, C, S) in lowest terms, S > 0: along a line of sight (A i + B j + C) / S grows with depth, to
         which it is equal (times ``Frame.unit``) in a parallel view; under perspective it is -1 / w.
-    plane_id : (n,) int64
-        Equal for pieces of equal planes.
     depth : (n, 2, 3) object
         Numerator and denominator of the depth.
     """
@@ -42,10 +39,21 @@ class Facets:
     face: Ints
     drawn: Bools
     inside: Array
-    grows: Bools
     plane: Array
-    plane_id: Array
     depth: Array
+
+    @cached_property
+    def grows(self) -> Bools:
+        """Tell which of ``inside`` (n, 4 or 5) do not fall to the right and then down."""
+        right, up = self.inside[..., 0], self.inside[..., 1]
+        grows: Bools = (right > 0) | ((right == 0) & (up <= 0))
+        return grows
+
+    @cached_property
+    def plane_id(self) -> Array:
+        """Numbers (n,) int64 that are equal for pieces of equal planes."""
+        known: dict[tuple[int, ...], int] = {}
+        return np.array([known.setdefault(tuple(row), len(known)) for row in self.plane])
 
     def covers(self, which: Array, i: Array, j: Array, sure: Bools) -> Bools:
         """Tell which pieces cover which samples in the limit.
@@ -134,7 +142,7 @@ def facets_of(frame: Frame, thing: int, placement: Placement, triangle: Array) -
         Indices into ``placement.shape.polygons.triangle_vertex``.
     """
     polygons = placement.shape.polygons
-    assert polygons is not None
+    assert polygons is not None, "spheres and cylinders have no facets"
     used, corner = np.unique(polygons.triangle_vertex[triangle], return_inverse=True)
     vertices, h = integers(polygons.vertices[used])
     homogeneous = np.insert(vertices, 3, h, axis=1) @ frame.matrices[thing].T
@@ -143,31 +151,24 @@ def facets_of(frame: Frame, thing: int, placement: Placement, triangle: Array) -
     edges = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
     turn = (a * edges[:, 0]).sum(axis=1)
     sign = np.sign(turn)
-    # Combine a function's values at the corners: depth h and, where it is 1 everywhere, h.
+    # The corners' depths carry the factor h; so does the function that is 1 at all corners.
     depth = (corners[..., 3:] * edges).sum(axis=1) * sign[:, None]
     one = edges.sum(axis=1) * h * sign[:, None]
     between = [way * (depth - limit * one) for way, limit in zip((1, -1), frame.limits, strict=False)]
     inside = np.concatenate([edges * sign[:, None, None], np.stack(between, axis=1)], axis=1)
-    plane = _planes(frame, np.abs(turn), depth, one)
     return Facets(
         (polygons.triangle_face[triangle] + placement.first).astype(np.int32),
         _drawn(placement, turn),
         inside,
-        _grows(inside),
-        plane,
-        np.zeros(len(triangle), np.int64),
+        _planes(frame, np.abs(turn), depth, one),
         np.stack([depth, one * frame.unit], axis=1),
     )
 
 
 def joined(parts: list[Facets]) -> Facets:
-    """Return the facets of several objects as one, and find out which planes are equal."""
-    columns = {
-        field.name: np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Facets)
-    }
-    known: dict[tuple[int, ...], int] = {}
-    columns["plane_id"] = np.array([known.setdefault(tuple(row), len(known)) for row in columns["plane"]])
-    return Facets(**columns)
+    """Return the facets of several objects as one."""
+    names = [field.name for field in fields(Facets)]
+    return Facets(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
 
 def _drawn(placement: Placement, turn: Array) -> Bools:
@@ -176,13 +177,6 @@ def _drawn(placement: Placement, turn: Array) -> Bools:
     culled = (front & (placement.cull == 2)) | (~front & (placement.cull == 1))
     drawn: Bools = (turn != 0) & ~culled
     return drawn
-
-
-def _grows(function: Array) -> Bools:
-    """Tell which affine functions (..., 3) do not fall to the right and then down."""
-    right, up = function[..., 0], function[..., 1]
-    grows: Bools = (right > 0) | ((right == 0) & (up <= 0))
-    return grows
 
 
 def _planes(frame: Frame, turn: Array, depth: Array, one: Array) -> Array:
