@@ -102,6 +102,27 @@ def resolve(view: View, sample: Array, piece: Ints, sure: Bools) -> Resolved:
     return Resolved(candidates.sample, face, depth)
 
 
+def facets_at(view: View, piece: Ints) -> tuple[Frame, Facets]:
+    """Set up planar pieces exactly, for methods that cannot do it in float64.
+
+    Parameters
+    ----------
+    view : View
+    piece : (n,) int, ascending, at least one
+
+    Returns
+    -------
+    frame : Frame
+        The integers in which the view is measured.
+    facets : Facets
+        One a piece.
+    """
+    frame = frame_of(view)
+    facets = _pieces_of(view, frame, first_pieces(view), piece).facets
+    assert facets is not None, "curved pieces are no facets"
+    return frame, facets
+
+
 class Candidates(NamedTuple):
     """Pieces that may own samples, sample after sample.
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from hsr.algorithms.resolve.frame import Frame, integers
 from hsr.arrays import Array, Bools, Ints
+from hsr.scene.shapes import Polygons
 from hsr.viewing import Placement
 
 
@@ -139,10 +140,12 @@ def facets_of(frame: Frame, thing: int, placement: Placement, triangle: Array) -
         Index of the object.
     placement : Placement
     triangle : (n,) int64
-        Indices into ``placement.shape.polygons.triangle_vertex``.
+        Indices into ``placement.shape.polygons.triangle_vertex``; each fan the other way round if the object is
+        mirrored, for so ``view.polygons`` has them.
     """
     polygons = placement.shape.polygons
     assert polygons is not None, "spheres and cylinders have no facets"
+    triangle = _turned(polygons, triangle) if placement.mirrored else triangle
     used, corner = np.unique(polygons.triangle_vertex[triangle], return_inverse=True)
     vertices, h = integers(polygons.vertices[used])
     homogeneous = np.insert(vertices, 3, h, axis=1) @ frame.matrices[thing].T
@@ -163,6 +166,13 @@ def facets_of(frame: Frame, thing: int, placement: Placement, triangle: Array) -
         _planes(frame, np.abs(turn), depth, one),
         np.stack([depth, one * frame.unit], axis=1),
     )
+
+
+def _turned(polygons: Polygons, triangle: Array) -> Array:
+    """Return the triangles in the same places of the fans if these run the other way round."""
+    polygon = polygons.triangle_polygon
+    first, end = (np.searchsorted(polygon, polygon[triangle], side) for side in ("left", "right"))
+    return np.asarray(first + end - 1 - triangle)
 
 
 def joined(parts: list[Facets]) -> Facets:
