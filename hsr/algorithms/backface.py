@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hsr.algorithms.zbuffer import scan_polygons
+from hsr.algorithms.scanline import scan_polygons
 from hsr.arrays import Array, Floats
 from hsr.errors import MethodError
 from hsr.kernels.clipping import clip_polygons, view_volume

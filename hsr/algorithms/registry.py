@@ -80,28 +80,26 @@ class Method:
 BUILT_IN = (
     Method("exact", "exact arithmetic: the truth, and every tie", "hsr.algorithms.exact", {}, True),
     Method("backface", "back-face culling alone: what is left, in file order", "hsr.algorithms.backface"),
-    Method("zbuffer", "depth buffer, incremental scan conversion, float64", "hsr.algorithms.zbuffer"),
+    Method("scanline", "depth buffer, incremental scan conversion, float64", "hsr.algorithms.scanline"),
     Method(
-        "zbuffer-direct",
+        "scanline-direct",
         "depth buffer, plane and edges evaluated at every sample, float64",
-        "hsr.algorithms.zbuffer",
+        "hsr.algorithms.scanline",
         {"stepping": "direct"},
     ),
     Method(
-        "zbuffer-float32",
+        "scanline-float32",
         "depth buffer, incremental scan conversion, float32",
-        "hsr.algorithms.zbuffer",
+        "hsr.algorithms.scanline",
         {"arithmetic": "float32"},
     ),
     Method(
-        "zbuffer-float32-direct",
+        "scanline-float32-direct",
         "depth buffer, plane and edges evaluated at every sample, float32",
-        "hsr.algorithms.zbuffer",
+        "hsr.algorithms.scanline",
         {"arithmetic": "float32", "stepping": "direct"},
     ),
-    Method(
-        "zbuffer-tiles", "depth buffer, half-space tests on sixteen samples at once", "hsr.algorithms.tiles"
-    ),
+    Method("zbuffer", "depth buffer, half-space tests on sixteen samples at once", "hsr.algorithms.tiles"),
     Method("raycast", "ray casting, coherent tiles of rays", "hsr.algorithms.raycast", {}, True),
     Method(
         "raycast-single",

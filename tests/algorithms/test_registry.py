@@ -69,18 +69,18 @@ def test_same_input_same_map(method: Method, make_scene: Any) -> None:
 
 
 def test_unknown_method_lists_the_known_ones(make_scene: Any) -> None:
-    with pytest.raises(MethodError, match="no method is named 'zbufer'; there are exact, backface, zbuffer"):
+    with pytest.raises(MethodError, match="no method is named 'zbufer'; there are exact, backface, scanline"):
         hsr.render(make_scene(CUBE), "zbufer")
 
 
 def test_unknown_option_lists_the_known_ones(make_scene: Any) -> None:
-    with pytest.raises(MethodError, match="zbuffer has no option 'steping'; it has stepping"):
-        hsr.render(make_scene(CUBE), "zbuffer", steping="direct")
+    with pytest.raises(MethodError, match="scanline has no option 'steping'; it has stepping"):
+        hsr.render(make_scene(CUBE), "scanline", steping="direct")
 
 
 def test_refused_option_value(make_scene: Any) -> None:
     with pytest.raises(MethodError, match="stepping"):
-        hsr.render(make_scene(CUBE), "zbuffer", stepping="sideways")
+        hsr.render(make_scene(CUBE), "scanline", stepping="sideways")
 
 
 def test_size_belongs_to_a_scene(make_scene: Any) -> None:
@@ -100,7 +100,7 @@ def test_unknown_camera_lists_the_known_ones(make_scene: Any) -> None:
 
 
 def test_other_packages_register_methods(monkeypatch: pytest.MonkeyPatch, make_scene: Any) -> None:
-    ours = Method("theirs", "somebody else's", "hsr.algorithms.zbuffer")
+    ours = Method("theirs", "somebody else's", "hsr.algorithms.scanline")
 
     class Entry:
         value = "their.package:method"

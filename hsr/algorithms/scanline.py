@@ -51,7 +51,7 @@ class Options:
         for name, known in (("stepping", STEPPING), ("arithmetic", ARITHMETIC)):
             value = getattr(self, name)
             if value not in known:
-                raise MethodError(f"zbuffer has no {name} {value!r}; choose from {', '.join(known)}")
+                raise MethodError(f"scanline has no {name} {value!r}; choose from {', '.join(known)}")
 
 
 def render(view: View, options: Options) -> VisibilityMap:
@@ -83,7 +83,7 @@ def render(view: View, options: Options) -> VisibilityMap:
             view, clip, polygons.cull, STEPPING[options.stepping], real, options.count
         )
     stored = depth_format("window", float(np.finfo(real).epsneg), view.near, view.far, view.perspective)
-    return VisibilityMap(face, depth, "zbuffer", work, clock.seconds, {"depth_format": stored})
+    return VisibilityMap(face, depth, "scanline", work, clock.seconds, {"depth_format": stored})
 
 
 def scan_polygons(

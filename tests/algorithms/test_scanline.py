@@ -12,8 +12,8 @@ import hsr
 from hsr.errors import MethodError
 from hsr.visibility import VisibilityMap
 
-VARIANTS = ["zbuffer", "zbuffer-direct", "zbuffer-float32", "zbuffer-float32-direct"]
-EXACT = ["zbuffer", "zbuffer-direct"]
+VARIANTS = ["scanline", "scanline-direct", "scanline-float32", "scanline-float32-direct"]
+EXACT = ["scanline", "scanline-direct"]
 
 ORTHOGRAPHIC = {"type": "orthographic", "eye": [0.0, 0.0, 5.0], "height": 4.0, "near": 0.0, "far": 20.0}
 
@@ -87,14 +87,14 @@ def test_ground_that_passes_under_the_eye(make_scene: Any, method: str) -> None:
 def test_near_and_far_planes_belong_to_the_view(make_scene: Any) -> None:
     camera = {**ORTHOGRAPHIC, "near": 4.0, "far": 6.0}
     for z, seen in [(1.0, True), (-1.0, True), (1.0 + 2**-20, False), (-1.0 - 2**-20, False)]:
-        answer = hsr.render(make_scene([square("wall", z, 8.0)], **camera), "zbuffer", size=(4, 4))
+        answer = hsr.render(make_scene([square("wall", z, 8.0)], **camera), "scanline", size=(4, 4))
         assert (answer.face >= 0).all() == (answer.face >= 0).any() == seen
 
 
 def test_near_opens_a_cube(make_scene: Any) -> None:
     box = {"name": "box", "shape": "cube"}
     scene = make_scene([box], eye=[0.0, 0.0, 5.0], near=4.5)
-    answer = hsr.render(scene, "zbuffer", size=(9, 9))
+    answer = hsr.render(scene, "scanline", size=(9, 9))
     assert answer.name_of(int(answer.face[4, 4])) == "box.back"
     assert answer.depth[4, 4] == pytest.approx(6.0)
 
@@ -110,17 +110,15 @@ MIRROR = [{"scale": [-1.0, 1.0, 1.0]}]
 def test_culling_is_that_of_the_scene(make_scene: Any, cull: str, name: str, mirrored: bool) -> None:
     box = {"name": "box", "shape": "cube", "cull": cull, "transform": MIRROR if mirrored else []}
     for camera in ({"eye": [0.0, 0.0, 5.0]}, ORTHOGRAPHIC):
-        answer = hsr.render(make_scene([box], **camera), "zbuffer", size=(9, 9))
+        answer = hsr.render(make_scene([box], **camera), "scanline", size=(9, 9))
         assert answer.name_of(int(answer.face[4, 4])) == f"box.{name}"
 
 
 def test_culling_a_closed_solid_changes_nothing(make_scene: Any) -> None:
     turn = [{"rotate_x": 31.0}, {"rotate_y": 17.0}]
     maps = [
-        hsr.render(
-            make_scene([{"name": "ball", "shape": "sphere", "cull": cull, "transform": turn}]), size=(40, 40)
-        )
-        for cull in ("none", "back")
+        hsr.render(make_scene([{"name": "ball", "shape": "sphere", **how}]), "scanline", size=(40, 40))
+        for how in ({"cull": "none", "transform": turn}, {"cull": "back", "transform": turn})
     ]
     assert np.array_equal(maps[0].face, maps[1].face) and np.array_equal(maps[0].depth, maps[1].depth)
 
@@ -144,7 +142,7 @@ def test_order_of_objects_does_not_matter(make_scene: Any) -> None:
     }
 
     def named(order: list[str]) -> list[list[str]]:
-        answer = hsr.render(make_scene([things[name] for name in order]), "zbuffer", size=(24, 24))
+        answer = hsr.render(make_scene([things[name] for name in order]), "scanline", size=(24, 24))
         return [[answer.name_of(int(face)) for face in row] for row in answer.face]
 
     assert named(names) == named(names[::-1]) == named(["c", "a", "d", "b"])
@@ -161,7 +159,7 @@ def test_a_polygon_is_its_triangles(make_scene: Any) -> None:
     turn = [{"rotate_x": 40.0}, {"rotate_z": 25.0}]
     whole = {"name": "whole", "shape": "square", "transform": turn}
     halves = triangles("halves", corners, [[0, 1, 2], [0, 2, 3]], transform=turn)
-    first, second = (hsr.render(make_scene([thing]), size=(33, 33)) for thing in (whole, halves))
+    first, second = (hsr.render(make_scene([thing]), "scanline", size=(33, 33)) for thing in (whole, halves))
     assert np.array_equal(first.face >= 0, second.face >= 0)
     seen = first.face >= 0
     assert first.depth[seen] == pytest.approx(second.depth[seen], rel=1e-12)
@@ -170,12 +168,12 @@ def test_a_polygon_is_its_triangles(make_scene: Any) -> None:
 def test_steppings_agree_to_rounding(make_scene: Any) -> None:
     view = hsr.view(make_scene([random_soup(4, 30)], fov=60.0), (60, 50))
     maps = {name: hsr.render(view, name) for name in VARIANTS}
-    assert np.array_equal(maps["zbuffer"].face, maps["zbuffer-direct"].face)
-    seen = maps["zbuffer"].face >= 0
-    reference = maps["zbuffer-direct"].depth[seen]
-    assert maps["zbuffer"].depth[seen] == pytest.approx(reference, rel=1e-11)
-    for name in ("zbuffer-float32", "zbuffer-float32-direct"):
-        assert (maps[name].face != maps["zbuffer"].face).mean() < 0.01
+    assert np.array_equal(maps["scanline"].face, maps["scanline-direct"].face)
+    seen = maps["scanline"].face >= 0
+    reference = maps["scanline-direct"].depth[seen]
+    assert maps["scanline"].depth[seen] == pytest.approx(reference, rel=1e-11)
+    for name in ("scanline-float32", "scanline-float32-direct"):
+        assert (maps[name].face != maps["scanline"].face).mean() < 0.01
 
 
 @pytest.mark.jit
@@ -188,14 +186,14 @@ def test_threads_do_not_matter(make_scene: Any) -> None:
         maps: list[VisibilityMap] = []
         for threads in range(1, before + 1):
             numba.set_num_threads(threads)
-            maps.append(hsr.render(view, "zbuffer-float32"))
+            maps.append(hsr.render(view, "scanline-float32"))
     finally:
         numba.set_num_threads(before)
     assert all(np.array_equal(maps[0].depth, other.depth) for other in maps)
     assert all(np.array_equal(maps[0].face, other.face) for other in maps)
 
 
-@pytest.mark.parametrize(("method", "step"), [("zbuffer", 2.0**-53), ("zbuffer-float32", 2.0**-24)])
+@pytest.mark.parametrize(("method", "step"), [("scanline", 2.0**-53), ("scanline-float32", 2.0**-24)])
 def test_depth_format_is_noted(make_scene: Any, method: str, step: float) -> None:
     answer = hsr.render(make_scene([square("a", 0.0)], near=0.5), method, size=(4, 4))
     noted = answer.notes["depth_format"]
@@ -207,8 +205,8 @@ def test_depth_format_is_noted(make_scene: Any, method: str, step: float) -> Non
 
 def test_work_is_free_unless_asked_for(make_scene: Any) -> None:
     view = hsr.view(make_scene([square("a", 0.0), square("b", 1.0)]), (16, 12))
-    assert hsr.render(view, "zbuffer").work == {"polygons": 2, "buffer_bytes": 16 * 12 * (8 + 4)}
-    assert hsr.render(view, "zbuffer-float32").work["buffer_bytes"] == 16 * 12 * (4 + 4)
+    assert hsr.render(view, "scanline").work == {"polygons": 2, "buffer_bytes": 16 * 12 * (8 + 4)}
+    assert hsr.render(view, "scanline-float32").work["buffer_bytes"] == 16 * 12 * (4 + 4)
 
 
 def test_work_when_counted(make_scene: Any) -> None:
@@ -221,7 +219,7 @@ def test_work_when_counted(make_scene: Any) -> None:
         {"name": "edge", "shape": "square", "transform": [{"rotate_y": 90.0}]},
     ]
     view = hsr.view(make_scene(things, eye=[0.0, 0.0, 5.0]), (8, 6))
-    counted, plain = hsr.render(view, count=True), hsr.render(view)
+    counted, plain = hsr.render(view, "scanline", count=True), hsr.render(view, "scanline")
     assert np.array_equal(counted.face, plain.face) and np.array_equal(counted.depth, plain.depth)
     assert counted.work == {
         "polygons": 5,
@@ -244,7 +242,7 @@ def test_work_when_counted(make_scene: Any) -> None:
 def test_the_order_of_objects_is_the_order_of_overdraw(make_scene: Any) -> None:
     far, near = square("far", -1.0, 8.0), square("near", 1.0, 8.0)
     overdraw = [
-        hsr.render(make_scene(list(pair)), count=True, size=(8, 6)).work["overdraw"]
+        hsr.render(make_scene(list(pair)), "scanline", count=True, size=(8, 6)).work["overdraw"]
         for pair in ((far, near), (near, far))
     ]
     assert overdraw == [48, 0]
@@ -254,5 +252,5 @@ def test_the_order_of_objects_is_the_order_of_overdraw(make_scene: Any) -> None:
 def test_refused_options_name_the_choices(option: str, value: str) -> None:
     from hsr.algorithms.registry import method_named
 
-    with pytest.raises(MethodError, match=f"zbuffer has no {option} '{value}'; choose from "):
-        method_named("zbuffer").options(**{option: value})
+    with pytest.raises(MethodError, match=f"scanline has no {option} '{value}'; choose from "):
+        method_named("scanline").options(**{option: value})

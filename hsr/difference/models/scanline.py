@@ -26,7 +26,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from hsr.algorithms.zbuffer import ARITHMETIC, STEPPING, Options, render
+from hsr.algorithms.scanline import ARITHMETIC, STEPPING, Options, render
 from hsr.arrays import Array, Floats, Ints
 from hsr.difference.models.rounded import (
     of_polygons,
