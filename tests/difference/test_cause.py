@@ -73,7 +73,7 @@ def test_clipping_is_named(truth: VisibilityMap, monkeypatch: pytest.MonkeyPatch
 
 def test_vertex_snapping_is_named(truth: VisibilityMap, monkeypatch: pytest.MonkeyPatch) -> None:
     in_both(
-        monkeypatch, "to_screen", lambda screen: np.column_stack([coarse(screen[:, :2], 0.25), screen[:, 2]])
+        monkeypatch, "screen_of", lambda screen: np.column_stack([coarse(screen[:, :2], 0.25), screen[:, 2]])
     )
     found = named(soup(), "scanline", truth)
     assert found.counts == {"vertex snapping": found.wrong} and found.wrong > 0
@@ -84,9 +84,11 @@ def test_the_fill_rule_is_named(truth: VisibilityMap, monkeypatch: pytest.Monkey
     shift = np.array([0.5, 0.5, 0.0])
     for name in ("polygon_table", "scan_convert"):
         honest = getattr(scanline, name)
-        monkeypatch.setattr(
-            scanline, name, lambda screen, *given, honest=honest: honest(screen + shift, *given)
-        )
+
+        def shifted(screen: Any, *given: Any, honest: Any = honest, **more: Any) -> Any:
+            return honest(screen + shift, *given, **more)
+
+        monkeypatch.setattr(scanline, name, shifted)
     found = named(soup(), "scanline", truth)
     assert set(found.counts) <= {"fill rule", "depth arithmetic"}
     assert found.counts["fill rule"] > 0.9 * found.wrong > 0
