@@ -266,23 +266,6 @@ def test_depth_down_a_side_and_along_a_line() -> None:
     assert (np.diff(z[:8, 1]) == 1 / 128).all()  # a vertical side: -B/C
 
 
-@pytest.mark.jit
-@pytest.mark.parametrize(("width", "drift"), [(64, 64), (1024, 1024), (4096, 4096)])
-def test_increments_in_float32_drift_with_the_length_of_the_span(width: int, drift: int) -> None:
-    """About half a step of a 24-bit buffer a sample; evaluated directly, a few steps at any length."""
-    corners = [(0.0, 0.0, 0.1), (float(width), 0.0, 0.9), (float(width), 4.0, 0.9), (0.0, 4.0, 0.1)]
-    exact = 0.1 + 0.8 * (np.arange(width) + 0.5) / width
-    step = 2.0**-24
-    error = {}
-    for mode in MODES:
-        z, _, _ = draw(corners, [[0, 1, 2, 3]], (width, 4), mode, np.float32)
-        error[mode] = np.abs(z - exact).max() / step
-    assert error[DIRECT] < 4
-    assert 0.1 * drift < error[INCREMENTAL] < drift
-    z, _, _ = draw(corners, [[0, 1, 2, 3]], (width, 4), INCREMENTAL, np.float64)
-    assert np.abs(z - exact).max() < width * 2.0**-52
-
-
 def random_triangles(rng: np.random.Generator, count: int, size: int) -> np.ndarray:
     centre = rng.uniform(0, size, (count, 1, 2))
     xy = centre + rng.uniform(-0.4 * size, 0.4 * size, (count, 3, 2))
