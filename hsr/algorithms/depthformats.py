@@ -131,7 +131,7 @@ class Depths:
         """Return the depths (H, W) in scene units that a buffer holds, ``+inf`` in the background.
 
         What rounding has carried past near or far is taken back to it. Without a far plane nothing is
-        farther than the least number above 0 that the buffer can hold.
+        farther than what the last number before infinity stands for.
         """
         drawn = face != BACKGROUND
         if self.kind == "window":
@@ -183,7 +183,8 @@ def depths_of(name: str, guard: int | None, view: View, deepest: float) -> Depth
         See :class:`Depths`.
     view : View
     deepest : float
-        Greatest depth of all that is drawn: where linear depth ends if the view has no far plane.
+        Greatest depth of all that is drawn: if the view has no far plane, linear depth ends one level
+        after it, since what is stored as the greatest level cannot be seen.
 
     Raises
     ------
@@ -197,5 +198,6 @@ def depths_of(name: str, guard: int | None, view: View, deepest: float) -> Depth
     if kind == "linear" and not view.perspective:
         kind = "window"
     elif kind == "linear" and far == np.inf:
-        far = deepest if deepest > view.near else 2.0 * view.near
+        levels = (1 << bits) - 1
+        far = view.near + (deepest - view.near or view.near) * (levels / (levels - 1))
     return Depths(kind, held, bits, guard, view.near, far, view.perspective)

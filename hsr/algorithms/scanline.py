@@ -6,6 +6,9 @@ polygons are scan converted. :mod:`hsr.kernels.scanline` says who owns a sample 
 between equal depths; the limit rule that decides ties exactly is not applied.
 
 A face of more than three corners is one polygon here, and taken to be planar and convex up to rounding.
+
+All variants are one kernel. Most differ in what it is given: corners on a grid, a picture upside down,
+another function of depth (:mod:`hsr.algorithms.depthformats`).
 """
 
 from __future__ import annotations
@@ -86,7 +89,7 @@ class Options:
         rounded to float32; the greater is the nearer.
         ``w16``, ``w24``: linear depth ``(d - near) / (far - near)``, stored like d16 and d24. It is not
         affine on the screen: ``-1 / d`` is interpolated, and every fragment costs a division. If far is
-        infinite, the deepest corner of what is drawn takes its place.
+        infinite, the deepest corner of what is drawn is given the level before the greatest.
         ``1/w``: ``1 / d`` rounded to float32; the greater is the nearer. Perspective views only.
     depth_test : {"less", "less-equal"}
         Whether of equal stored depths the lower face id stays, or the higher comes.

@@ -264,6 +264,15 @@ def test_which_formats_tell_close_walls_apart(make_scene: Any, name: str, tells_
     assert np.unique(answer.face).tolist() == [int(tells_apart)]
 
 
+@pytest.mark.parametrize("name", ["d32f-reversed", "1/w"])
+def test_distant_depths_lose_no_digits(make_scene: Any, name: str) -> None:
+    """A wall 10^12 times as far as near: its window depth is 1 to twelve digits, its distance is not lost."""
+    camera = {"eye": [0.0, 0.0, 0.0], "target": [0.0, 0.0, -1.0], "near": 1e-3}
+    wall = make_scene([square("wall", -1e9, 1e9)], **camera)
+    answer = hsr.render(wall, "scanline", size=(4, 4), depth_format=name)
+    assert answer.depth == pytest.approx(1e9, rel=2.0**-24)
+
+
 def test_the_greatest_level_is_not_nearer_than_the_background(make_scene: Any) -> None:
     """d16 with near 0.05: what lies beyond 2 * 65535 * 0.05 is stored as 1."""
     for z, method, seen in (
@@ -275,12 +284,14 @@ def test_the_greatest_level_is_not_nearer_than_the_background(make_scene: Any) -
         assert (hsr.render(wall, method, size=(4, 4)).face == 0).all() == seen
 
 
-def test_linear_depth_without_a_far_plane_ends_at_the_deepest_corner(make_scene: Any) -> None:
+def test_linear_depth_without_a_far_plane_ends_behind_the_deepest_corner(make_scene: Any) -> None:
     walls = [square("a", 0.0), square("b", -95.0, 40.0)]
     answer = hsr.render(make_scene(walls, eye=[0.0, 0.0, 5.0], near=1.0), "scanline-w16", size=(16, 16))
     noted = answer.notes["depth_format"]
-    assert (noted["stored"], noted["near"]) == ("linear", 1.0) and noted["far"] == pytest.approx(100.0)
-    assert answer.depth[answer.face == 0] == pytest.approx(5.0, abs=99.0 / 65535 / 2)
+    assert (noted["stored"], noted["near"]) == ("linear", 1.0)
+    assert noted["far"] == pytest.approx(1.0 + 99.0 * 65535 / 65534, rel=1e-12)
+    assert answer.depth[answer.face == 0] == pytest.approx(5.0, abs=99.0 / 65534 / 2)
+    assert answer.depth[answer.face == 1] == pytest.approx(100.0, abs=1e-9) and (answer.face == 1).any()
 
 
 @pytest.mark.parametrize(
