@@ -103,7 +103,7 @@ BUILT_IN = (
     ),
     Method(
         "scanline-fixed",
-        "scan conversion, incremental, fixed-point depth of 24 bits and 12 guard bits",
+        "scan conversion, incremental, 24-bit depth with 12 guard bits",
         SCANLINE,
         {"arithmetic": "fixed", "guard_bits": 12, "depth_format": "d24"},
     ),

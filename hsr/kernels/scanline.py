@@ -277,7 +277,7 @@ def _scan_strip(
         face, top, turn = table[i, FACE], table[i, TOP], table[i, TURN]
         x_top, y_top, z_top = screen[corner[top], 0], screen[corner[top], 1], screen[corner[top], 2]
         z_x, z_y = slope[i, 0], slope[i, 1]
-        z_step = _held(z_x, mode)
+        z_step = _fixed(z_x, mode)
         row = max(table[i, FIRST_LINE], strip * STRIP)
         end = min(table[i, END_LINE], (strip + 1) * STRIP)
         left, right, left_end, right_end = top, top, row, row
@@ -288,9 +288,9 @@ def _scan_strip(
                     screen, corner, table[i, FIRST], table[i, END], left, turn, row
                 )
                 left_z = z_top + (left_x - x_top) * z_x + (real(left_line) + half - y_top) * z_y
-                z_m = _held(left_m * z_x + z_y, mode)
+                z_m = _fixed(left_m * z_x + z_y, mode)
                 x_left = _stepped(left_x, left_m, row - left_line, mode)
-                z_left = _stepped(_held(left_z, mode), z_m, row - left_line, mode)
+                z_left = _stepped(_fixed(left_z, mode), z_m, row - left_line, mode)
             if right_end <= row:
                 right, right_line, right_end, right_x, right_m = _edge_below(
                     screen, corner, table[i, FIRST], table[i, END], right, -turn, row
@@ -308,7 +308,7 @@ def _scan_strip(
                     depth = z_row + (real(column) + half - x_top) * z_x
                     passed += _drawn(depth, face, z, owner, line, column, form)
             else:
-                depth = _held(z_left + (real(first) + half - x_left) * z_x, mode)
+                depth = _fixed(z_left + (real(first) + half - x_left) * z_x, mode)
                 for column in range(np.uintp(first), np.uintp(last)):
                     passed += _drawn(depth, face, z, owner, line, column, form)
                     depth += z_step
@@ -346,9 +346,7 @@ def _drawn(
 def _stored(depth: float, z: Array, form: Form | None) -> Any:
     """Return what the buffer holds of a depth."""
     held = z.dtype.type
-    if form is None:
-        return held(depth)
-    if form.levels == 0:
+    if form is None or form.levels == 0:
         return held(depth)
     # Linear depth is not affine on the screen: it costs a division a fragment.
     value = -1.0 / min(depth, form.last) if form.last < 0.0 else depth
@@ -366,9 +364,9 @@ def _passes(stored: Any, kept: Any, form: Form | None) -> bool:
 @jit
 def _farthest(form: Form | None) -> float:
     """Return what the depth buffer starts with."""
-    if form is None:
+    if form is None or form.levels == 0:
         return np.inf
-    return float(form.levels) if form.levels else np.inf
+    return float(form.levels)
 
 
 @jit
@@ -410,6 +408,6 @@ def _stepped(value: float, step: float, lines: int, mode: int) -> float:
 
 
 @jit
-def _held(value: float, mode: int) -> float:
+def _fixed(value: float, mode: int) -> float:
     """Round a depth or its step to a whole number if depth is stepped in those."""
     return np.rint(value) if mode == FIXED else value
