@@ -32,7 +32,7 @@ from hsr.errors import HsrError, MethodError, UnavailableError
 from hsr.viewing import View
 
 STAGES = ("prepare", "build", "render", "read")
-DEFAULT = ("zbuffer", "zbuffer-tiles", "zbuffer-float32", "raycast", "opengl", "embree")
+DEFAULT = ("scanline", "zbuffer", "scanline-float32", "raycast", "opengl", "embree")
 
 console = Console(highlight=False, width=None if sys.stdout.isatty() else 130)
 

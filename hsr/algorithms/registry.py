@@ -77,31 +77,72 @@ class Method:
         self.render(replace(view, width=WARM_UP, height=WARM_UP))
 
 
+SCANLINE = "hsr.algorithms.scanline"
+
 BUILT_IN = (
     Method("exact", "exact arithmetic: the truth, and every tie", "hsr.algorithms.exact", {}, True),
     Method("backface", "back-face culling alone: what is left, in file order", "hsr.algorithms.backface"),
-    Method("zbuffer", "depth buffer, incremental scan conversion, float64", "hsr.algorithms.zbuffer"),
+    Method("scanline", "depth buffer, incremental scan conversion, float64", SCANLINE),
     Method(
-        "zbuffer-direct",
-        "depth buffer, plane and edges evaluated at every sample, float64",
-        "hsr.algorithms.zbuffer",
+        "scanline-direct",
+        "scan conversion, plane and edges evaluated at every sample, float64",
+        SCANLINE,
         {"stepping": "direct"},
     ),
     Method(
-        "zbuffer-float32",
-        "depth buffer, incremental scan conversion, float32",
-        "hsr.algorithms.zbuffer",
-        {"arithmetic": "float32"},
+        "scanline-float32",
+        "scan conversion, incremental, float32",
+        SCANLINE,
+        {"arithmetic": "float32", "depth_format": "d32f"},
     ),
     Method(
-        "zbuffer-float32-direct",
-        "depth buffer, plane and edges evaluated at every sample, float32",
-        "hsr.algorithms.zbuffer",
-        {"arithmetic": "float32", "stepping": "direct"},
+        "scanline-float32-direct",
+        "scan conversion, evaluated at every sample, float32",
+        SCANLINE,
+        {"arithmetic": "float32", "depth_format": "d32f", "stepping": "direct"},
     ),
     Method(
-        "zbuffer-tiles", "depth buffer, half-space tests on sixteen samples at once", "hsr.algorithms.tiles"
+        "scanline-fixed",
+        "scan conversion, incremental, 24-bit depth with 12 guard bits",
+        SCANLINE,
+        {"arithmetic": "fixed", "guard_bits": 12, "depth_format": "d24"},
     ),
+    Method("scanline-d16", "scan conversion, depths stored in 16 bits", SCANLINE, {"depth_format": "d16"}),
+    Method("scanline-d24", "scan conversion, depths stored in 24 bits", SCANLINE, {"depth_format": "d24"}),
+    Method(
+        "scanline-d32f-reversed",
+        "scan conversion, depths stored as float32, 1 at near and 0 at far",
+        SCANLINE,
+        {"depth_format": "d32f-reversed"},
+    ),
+    Method(
+        "scanline-w16", "scan conversion, linear depths stored in 16 bits", SCANLINE, {"depth_format": "w16"}
+    ),
+    Method(
+        "scanline-snap-4",
+        "scan conversion, corners on a grid of 1/16 pixel",
+        SCANLINE,
+        {"subpixel_bits": 4},
+    ),
+    Method(
+        "scanline-snap-8",
+        "scan conversion, corners on a grid of 1/256 pixel",
+        SCANLINE,
+        {"subpixel_bits": 8},
+    ),
+    Method(
+        "scanline-bottom-left",
+        "scan conversion, bottom edges own their samples, not top edges",
+        SCANLINE,
+        {"fill_rule": "bottom-left"},
+    ),
+    Method(
+        "scanline-less-equal",
+        "scan conversion, of equal depths the last drawn is kept",
+        SCANLINE,
+        {"depth_test": "less-equal"},
+    ),
+    Method("zbuffer", "depth buffer, half-space tests on sixteen samples at once", "hsr.algorithms.tiles"),
     Method("raycast", "ray casting, coherent tiles of rays", "hsr.algorithms.raycast", {}, True),
     Method(
         "raycast-single",

@@ -95,7 +95,7 @@ def test_all_ways_agree_on_the_built_in_scenes(scenes):
 def test_it_agrees_with_the_depth_buffer_on_planar_scenes(make_scene):
     for seed in range(3):
         view = hsr.view(make_scene([mesh(seed, 300), CUBE | {"transform": [{"rotate_y": 25.0}]}]), (150, 110))
-        answer, peer = cast(view), hsr.render(view, "zbuffer-direct")
+        answer, peer = cast(view), hsr.render(view, "scanline-direct")
         assert (answer.face == peer.face).all()
         shown = answer.face >= 0
         assert answer.depth[shown] == pytest.approx(peer.depth[shown], rel=1e-12)

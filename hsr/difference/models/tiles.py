@@ -1,6 +1,6 @@
 """The depth buffer of half-space tests, stage by stage.
 
-Up to the screen it works like :mod:`hsr.difference.models.zbuffer` in float64. The fill rule is modelled
+Up to the screen it works like :mod:`hsr.difference.models.scanline` in float64. The fill rule is modelled
 by the triangles that it draws itself. Its depths are rounded to keys while they are computed, so that
 their arithmetic and their format are one stage: the method itself, run once more.
 """
@@ -11,18 +11,18 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from hsr.algorithms import zbuffer
+from hsr.algorithms import scanline
 from hsr.algorithms.tiles import Options, fans, render
 from hsr.arrays import Array, Ints
-from hsr.difference.models import zbuffer as scanned
+from hsr.difference.models import scanline as scanned
 from hsr.difference.models.rounded import tessellation
 from hsr.difference.models.stages import Cause, Pipeline, Stage, rerun
 from hsr.kernels.tiles import rasterise
 from hsr.viewing import View, WorldPolygons
 
-FLOAT64 = zbuffer.Options()
+FLOAT64 = scanline.Options()
 
-Model = Callable[[View, zbuffer.Options, Array], Ints]
+Model = Callable[[View, scanline.Options, Array], Ints]
 
 
 def _shared(model: Model) -> Callable[[View, Options, Array], Ints]:
