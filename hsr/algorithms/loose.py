@@ -9,21 +9,21 @@ from __future__ import annotations
 import numpy as np
 
 from hsr.algorithms.resolve import facets_at
-from hsr.arrays import Array, Bools, Floats, Ints
+from hsr.arrays import Bools, Floats, Ints
 from hsr.kernels import halfspaces as hs
 from hsr.kernels.halfspaces import CLUSTER, ERROR, LOOSE, NEARNESS, TABLE, Eye, U
 from hsr.kernels.projection import clip_rows, to_clip
 from hsr.viewing import View
 
 ROUNDED = 16.0 * U
-"""Bound of the error of an edge function of which no term is above 1 on the image: three coefficients, a quotient
-each, and fewer than ten roundings of numbers below 1."""
+"""Bound of the error of an edge function of which no term is above 1 on the image: three coefficients, a
+quotient each, and fewer than ten roundings of numbers below 1."""
 
 
 def loose_tables(
     view: View, vertices: Floats, corner: Ints, number: Ints, screen: Floats, eye: Eye
 ) -> Floats:
-    """Set up the triangles that :func:`hsr.kernels.halfspaces.set_up` leaves out because they are not certain.
+    """Set up the triangles that ``halfspaces.set_up`` leaves out because a corner is not certain.
 
     Parameters
     ----------
@@ -88,9 +88,10 @@ def boxes(clip: Floats, near: float, eye: Eye) -> Floats:
 
     Notes
     -----
-    Under perspective, what is seen is the hull of the corners beyond a depth just below near, and of the points in
-    which the sides cross it. Projected, each is off by at most what :func:`hsr.kernels.halfspaces.projected`
-    says, and a point of a side by some roundings of the ends' coordinates.
+    Under perspective, what is seen is the hull of the corners beyond a depth just below near, and of the
+    points in which the sides cross it. Projected, each is off by at most what
+    :func:`hsr.kernels.halfspaces.projected` says, and a point of a side by some roundings of the ends'
+    coordinates.
     """
     whole = np.array([0.0, eye.width, 0.0, eye.height])
     least = near - 2.0 * eye.error_d
@@ -120,7 +121,7 @@ def boxes(clip: Floats, near: float, eye: Eye) -> Floats:
 
 
 def _columns(view: View, piece: Ints, box: Floats, eye: Eye) -> Floats:
-    """Return the parts (TABLE / CLUSTER, n) of a table for some pieces, ascending, relative to their boxes."""
+    """Return the parts (TABLE / CLUSTER, n) of a table of pieces, ascending, relative to their boxes."""
     frame, facets = facets_at(view, piece)
     columns = np.zeros((TABLE // CLUSTER, len(piece)))
     left, right, top, bottom = box.T
@@ -142,7 +143,8 @@ def _columns(view: View, piece: Ints, box: Floats, eye: Eye) -> Floats:
     above, below = (frame.unit, 1) if view.perspective else (1, frame.unit)
     share = _depths_per_w(view)
     value, to_right, down = (
-        -share * (number * above / (s * below)).astype(np.float64) for number in (a * i + b * j + c, 2 * a, -2 * b)
+        -share * (number * above / (s * below)).astype(np.float64)
+        for number in (a * i + b * j + c, 2 * a, -2 * b)
     )
     z_x, z_y = -to_right * eye.scale, -down * eye.scale
     columns[hs.Z // CLUSTER], columns[hs.Z_X // CLUSTER] = hs.key_depth(value, eye), z_x

@@ -142,7 +142,15 @@ BUILT_IN = (
         SCANLINE,
         {"depth_test": "less-equal"},
     ),
-    Method("zbuffer", "depth buffer, half-space tests on sixteen samples at once", "hsr.algorithms.tiles"),
+    Method(
+        "zbuffer", "depth buffer, half-space tests with hierarchical z, certified", "hsr.algorithms.tiles"
+    ),
+    Method(
+        "zbuffer-plain",
+        "the same without certification: rounding decides",
+        "hsr.algorithms.tiles",
+        {"certified": False},
+    ),
     Method("raycast", "ray casting, coherent tiles of rays", "hsr.algorithms.raycast", {}, True),
     Method(
         "raycast-single",

@@ -8,8 +8,8 @@ might turn is noted instead of taken, and taken afterwards in exact arithmetic
 ``view.tessellated()`` in the limit from the right and below.
 
 Nothing is clipped. A triangle with a corner at or behind the eye is set up from its exact homogeneous edges
-(Olano & Greer, "Triangle Scan Conversion Using 2D Homogeneous Coordinates", 1997), and near and far are two more
-tests at each sample.
+(Olano & Greer, "Triangle Scan Conversion Using 2D Homogeneous Coordinates", 1997), and near and far are two
+more tests at each sample.
 """
 
 from __future__ import annotations
@@ -69,8 +69,8 @@ def render(view: View, options: Options) -> VisibilityMap:
         elsewhere its inverse (under perspective; in a parallel view it itself) is within 2^-35 of the
         range of what is seen. ``seconds``: ``prepare`` puts the triangles into world space and in order,
         and makes room for the answer; ``render`` is all the rest. ``work``: ``triangles``,
-        ``clusters_drawn`` and ``clusters_hidden``, ``triangles_drawn``, each once for every strip of the image,
-        ``uncertain`` samples, which were decided exactly, and ``buffer_bytes``, those of the answer.
+        ``clusters_drawn`` and ``clusters_hidden``, ``triangles_drawn``, each once for every strip of the
+        image, ``uncertain`` samples, which were decided exactly, and ``buffer_bytes``, those of the answer.
     """
     clock = Clock()
     with clock("prepare"):
@@ -78,12 +78,13 @@ def render(view: View, options: Options) -> VisibilityMap:
         mesh = mesh_of(view)
         # Touch the memory now: the first touch of a page takes longer than what is computed in it.
         screen = np.full((len(mesh.vertices), 4), 0.0)
-        face, depth = np.full((view.height, view.width), -1, np.int32), np.full((view.height, view.width), np.inf)
+        face, depth = (
+            np.full((view.height, view.width), -1, np.int32),
+            np.full((view.height, view.width), np.inf),
+        )
     with clock("render"):
-        rows = clip_rows(view.clip_from_world, view.depth_row)
-        eye = eye_of(view, mesh, rows)
-        halfspaces.project(mesh.vertices, rows, eye, screen)
-        found, counts = _draw(view, mesh, rows, eye, screen, options.certified, (face, depth))
+        eye = eye_of(view, mesh)
+        found, counts = draw(view, mesh, eye, screen, options.certified, (face, depth))
         resolved = resolve(view, found["sample"], mesh.number[_number(mesh, found)], found["sure"])
         face.ravel()[resolved.sample], depth.ravel()[resolved.sample] = resolved.face, resolved.depth
     work = {
@@ -94,7 +95,9 @@ def render(view: View, options: Options) -> VisibilityMap:
         "uncertain": len(resolved.sample),
         "buffer_bytes": face.nbytes + depth.nbytes,
     }
-    return VisibilityMap(face, depth, "zbuffer", work, clock.seconds, {"depth_format": _format(view, mesh, eye)})
+    return VisibilityMap(
+        face, depth, "zbuffer", work, clock.seconds, {"depth_format": _format(view, mesh, eye)}
+    )
 
 
 # ---------------------------------------------------------------- once a view
@@ -135,27 +138,33 @@ def mesh_of(view: View) -> Mesh:
     """Put the triangles of a view without curved shapes in clusters, once for all its pictures."""
     polygons = view.polygons
     if polygons not in _meshes:
-        low, high = hierarchy.boxes_of(polygons.vertices, polygons.triangle_vertex)
-        _, order = hierarchy.radix_sort(hierarchy.morton_codes(low, high))
-        first = np.arange(0, len(order), CLUSTER)
-        _meshes[polygons] = Mesh(
-            polygons.vertices,
-            polygons.triangle_vertex[order],
-            polygons.cull[polygons.triangle_polygon[order]],
-            polygons.triangle_face[order],
-            order,
-            np.minimum.reduceat(low[order], first),
-            np.maximum.reduceat(high[order], first),
-            world_slack(view),
-        )
+        _meshes[polygons] = clustered(view, np.arange(len(polygons.triangle_vertex)), polygons.triangle_face)
     return _meshes[polygons]
+
+
+def clustered(view: View, chosen: Array, faces: Ints) -> Mesh:
+    """Put some triangles (n,) of the fans in clusters; ``faces`` (all,) is what they shall show."""
+    polygons = view.polygons
+    low, high = hierarchy.boxes_of(polygons.vertices, polygons.triangle_vertex[chosen])
+    _, order = hierarchy.radix_sort(hierarchy.morton_codes(low, high))
+    number, first = chosen[order].astype(np.int32), np.arange(0, len(order), CLUSTER)
+    return Mesh(
+        polygons.vertices,
+        polygons.triangle_vertex[number],
+        polygons.cull[polygons.triangle_polygon[number]],
+        faces[number],
+        number,
+        np.minimum.reduceat(low[order], first),
+        np.maximum.reduceat(high[order], first),
+        world_slack(view),
+    )
 
 
 def world_slack(view: View) -> Floats:
     """Bound (3,) by how much the rounded vertices of a view's polygons miss the true ones, world space.
 
-    A coordinate is a sum of three products and a translation: fewer than eight roundings, each of at most the sum
-    of their magnitudes.
+    A coordinate is a sum of three products and a translation: fewer than eight roundings, each of at most
+    the sum of their magnitudes.
     """
     matrix = abs(np.array([placement.world_from_object for placement in view.placements]))
     farthest = {id(p.shape): abs(_vertices(p.shape)).max(axis=0) for p in view.placements}
@@ -172,12 +181,13 @@ def _vertices(shape: Shape) -> Floats:
 # ---------------------------------------------------------------- once a picture
 
 
-def eye_of(view: View, mesh: Mesh, rows: Floats) -> Eye:
+def eye_of(view: View, mesh: Mesh) -> Eye:
     """Measure a view for the kernels.
 
     Clip coordinates are sums of three products and an offset, by rows that were divided once, and depth is
     taken for w: fewer than sixteen roundings, each of at most the sum of the magnitudes.
     """
+    rows = clip_rows(view.clip_from_world, view.depth_row)
     low, high = mesh.low.min(axis=0), mesh.high.max(axis=0)
     size = abs(rows[:, :3]) @ np.maximum(abs(low), abs(high)) + abs(rows[:, 3])
     error = 16.0 * U * size + abs(rows[:, :3]) @ mesh.slack
@@ -190,24 +200,37 @@ def eye_of(view: View, mesh: Mesh, rows: Floats) -> Eye:
     front = nearness_of(closest, view.perspective)
     back = nearness_of(max(min(most, view.far), closest), view.perspective)
     scale = (BACK - FRONT) / max(front - back, 2.0**-12 * max(abs(front), abs(back)), np.finfo(float).tiny)
-    eye = Eye(
-        view.perspective, float(view.width), float(view.height), *error, front, scale, near=0.0, far=0.0, tie=0.0
-    )
-    tie = min(max(TIE, 4.0 * halfspaces.nearness_error(front, eye) * scale), LOOSE)
-    limits = (halfspaces.key_depth(nearness, eye) for nearness in (near, far))
-    return Eye(*eye[:-3], *limits, tie)
+    size_of_image = (float(view.width), float(view.height))
+    eye = Eye(view.perspective, *size_of_image, error[0], error[1], error[2], front, scale, 0.0, 0.0, 0.0)
+    tie = max(TIE, 4.0 * halfspaces.nearness_error(front, eye) * scale)
+    near_key, far_key = halfspaces.key_depth(near, eye), halfspaces.key_depth(far, eye)
+    return eye._replace(near=near_key, far=far_key, tie=min(tie, LOOSE))
 
 
-def _draw(
-    view: View,
-    mesh: Mesh,
-    rows: Floats,
-    eye: Eye,
-    screen: Floats,
-    certified: bool,
-    answer: tuple[Ints, Floats],
+def draw(
+    view: View, mesh: Mesh, eye: Eye, screen: Floats, certified: bool, answer: tuple[Ints, Floats]
 ) -> tuple[Array, Array]:
-    """Draw all triangles into the answer; return the doubts and the counts."""
+    """Draw a mesh into face (H, W) and depth (H, W).
+
+    Parameters
+    ----------
+    view : View
+        Without curved shapes.
+    mesh : Mesh
+    eye : Eye
+    screen : (V, 4) float64
+        Room for the projected vertices.
+    certified : bool
+    answer : (face, depth)
+
+    Returns
+    -------
+    found : (m,) DOUBT
+        None if not certified.
+    counts : (COUNTS,) int64
+    """
+    rows = clip_rows(view.clip_from_world, view.depth_row)
+    halfspaces.project(mesh.vertices, rows, eye, screen)
     extent = np.empty((len(mesh.low), 5))
     tiles.reach(mesh.low, mesh.high, rows, eye, extent)
     listed, todo = tiles.deal(extent, np.argsort(extent[:, 4], kind="stable"), view.height)

@@ -1,8 +1,8 @@
 """Depth buffers of keys, and what they leave in doubt.
 
 Depth and owner of a sample share one 64-bit integer, the *key*: depth in the upper bits, the number of the
-triangle in the lower ones. The nearest triangle has the least key, and one minimum does the depth test and both
-writes. Sixteen samples of a scan line are tested at once.
+triangle in the lower ones. The nearest triangle has the least key, and one minimum does the depth test and
+both writes. Sixteen samples of a scan line are tested at once.
 
 What float64 cannot decide is not decided here. Only certain coverage enters the keys. A sample on an edge,
 within the error of the edge functions, or two depths within their error, is a *doubt*: every triangle that
@@ -29,7 +29,6 @@ from hsr.kernels.halfspaces import (
     BELOW2,
     BOTTOM,
     BOUND,
-    CUT,
     E0,
     E1,
     E2,
@@ -40,18 +39,19 @@ from hsr.kernels.halfspaces import (
     NUMBER,
     RIGHT,
     TOP,
-    Z,
     Z_ERROR,
     Z_X,
     Z_Y,
     Eye,
+    Z,
 )
 
 EMPTY = np.uint64(2**64 - 1)
 """The key of a sample that no triangle owns."""
 
 MANTISSA = 52
-"""Bits of a float64 after the binary point; key depths, shifted by the others to the top, order like depth."""
+"""Bits of a float64 after the binary point; key depths, shifted by the others to the top, order like
+depth."""
 
 ONE = np.float64(1.0).view(np.uint64)
 """Sign and exponent of every key depth."""
@@ -133,7 +133,7 @@ def gap_of(mask: np.uint64, tie: float) -> np.uint64:
 @jit
 def is_certain(table: Floats, i: int, eye: Eye) -> bool:
     """Whether it is certain which way a triangle of a table is turned, and how deep it is."""
-    return table[AREA + i] > table[BOUND + i] and table[Z_ERROR + i] <= eye.tie
+    return bool(table[AREA + i] > table[BOUND + i] and table[Z_ERROR + i] <= eye.tie)
 
 
 @jit
@@ -143,7 +143,9 @@ def limits_of(table: Floats, i: int, eye: Eye) -> Limits:
 
 
 @jit
-def fill(table: Floats, i: int, keys: Array, window: Window, limits: Limits | None, certify: bool | None) -> bool:
+def fill(
+    table: Floats, i: int, keys: Array, window: Window, limits: Limits | None, certify: bool | None
+) -> bool:
     """Take a triangle into the keys of a window: where it is certainly inside, and certainly nearer.
 
     Parameters
@@ -166,7 +168,11 @@ def fill(table: Floats, i: int, keys: Array, window: Window, limits: Limits | No
     left, top = int(table[LEFT + i]), int(table[TOP + i])
     begin, end = columns_of(table, i, keys, window)
     bound = 0.0 if certify is None else table[BOUND + i]
-    mask, gap, number = window.mask, np.uint64(0) if certify is None else window.gap, np.uint64(table[NUMBER + i])
+    mask, gap, number = (
+        window.mask,
+        np.uint64(0) if certify is None else window.gap,
+        np.uint64(table[NUMBER + i]),
+    )
     doubtful = False
     for line in range(max(top, window.line), min(int(table[BOTTOM + i]), window.line + len(keys))):
         row = row_of(table, i, float(line - top))
@@ -223,8 +229,8 @@ def at(row: Row, right: float, limits: Limits | None) -> tuple[float, float]:
 def span_of(row: Row, bound: float, left: int, begin: int, end: int) -> tuple[int, int]:
     """Return the columns from begin to end at which no edge function is below ``-bound``.
 
-    An edge function ``e + right * across`` is, on one side of ``-(e + bound) / across``. The quotient is off by a
-    few ulp, less than a sample within any image; one sample is added at either end.
+    An edge function ``e + right * across`` is, on one side of ``-(e + bound) / across``. The quotient is off
+    by a few ulp, less than a sample within any image; one sample is added at either end.
     """
     low, high = float(begin - left), float(end - left)
     for edge in range(3):
@@ -275,15 +281,15 @@ def suspect(table: Floats, i: int, keys: Array, window: Window, doubts: Array, c
         for column in range(begin, end):
             right = float(column - left)
             e0, e1, e2 = row[0] + right * row[1], row[2] + right * row[3], row[4] + right * row[5]
-            if min(min(e0, e1), e2) > -bound or max(max(e0, e1), e2) < bound:
-                if not is_hidden(key, keys[line - window.line, column - window.column], window.gap):
-                    write(doubts, counts, line * window.width + column, key, False)
+            may_cover = min(min(e0, e1), e2) > -bound or max(max(e0, e1), e2) < bound
+            if may_cover and not is_hidden(key, keys[line - window.line, column - window.column], window.gap):
+                write(doubts, counts, line * window.width + column, key, False)
 
 
 @jit
 def is_hidden(key: np.uint64, old: np.uint64, gap: np.uint64) -> bool:
     """Whether a key is certainly farther than what is there."""
-    return old != EMPTY and key > old + gap
+    return bool(old != EMPTY and key > old + gap)
 
 
 @jit
@@ -297,7 +303,7 @@ def write(doubts: Array, counts: Array, sample: int, key: np.uint64, sure: bool)
 
 @jit
 def settle(keys: Array, window: Window, doubts: Array, counts: Array) -> None:
-    """Forget the doubts about what is certainly hidden; where some are left, what the keys show may be it, too."""
+    """Forget doubts about what is certainly hidden; where some are left, add what the keys show."""
     if counts[USED] > len(doubts):
         return
     kept = 0

@@ -36,13 +36,13 @@ X, Y, NEARNESS, ERROR = range(4)
 the true x and y may be away: infinite for a vertex at or behind the eye."""
 
 CLUSTER = 64
-"""Triangles in a table, set up side by side. Its parts follow each other, CLUSTER numbers each, in one array of
-one dimension: so the compiler knows them apart."""
+"""Triangles in a table, set up side by side. Its parts follow each other, CLUSTER numbers each, in one array
+of one dimension: so the compiler knows them apart."""
 
 E0, E1, E2, ACROSS0, ACROSS1, ACROSS2, BELOW0, BELOW1, BELOW2, BOUND, AREA = range(0, 11 * CLUSTER, CLUSTER)
 """Where the parts of a table begin: the edge functions at the first sample of a triangle's bounding box,
-positive inside, what they grow by from sample to sample to the right and below, a bound of their error, and twice
-the area, within the same bound."""
+positive inside, what they grow by from sample to sample to the right and below, a bound of their error, and
+twice the area, within the same bound."""
 
 Z, Z_X, Z_Y, Z_ERROR, NEAREST = range(11 * CLUSTER, 16 * CLUSTER, CLUSTER)
 """The key depth there, its growth to the right and below, a bound of its error wherever the triangle is, and
@@ -179,8 +179,8 @@ def set_up(screen: Floats, corner: Ints, cull: Array, first: int, eye: Eye, tabl
     eye : Eye
     table : (TABLE,) float64
         Receives the triangles. Left out is what is culled, beyond near or far, beside the image, and what
-        has a corner that is not certain within ``LOOSE``. Where AREA is not above BOUND, a triangle may be edge-on,
-        or turned the other way; such are not culled.
+        has a corner that is not certain within ``LOOSE``. Where AREA is not above BOUND, a triangle may be
+        edge-on, or turned the other way; such are not culled.
 
     Returns
     -------
@@ -257,4 +257,4 @@ def set_up(screen: Floats, corner: Ints, cull: Array, first: int, eye: Eye, tabl
         shown = (t <= LOOSE) & (least_z <= eye.far) & (most_z >= eye.near) & (left < right)
         table[LEFT + i], table[RIGHT + i], table[TOP + i] = left, right, top
         table[BOTTOM + i] = bottom if shown & ~culled else top
-    return np.int64(n)
+    return int(n)

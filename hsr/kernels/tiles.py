@@ -1,9 +1,9 @@
 """Half-space rasterisation by strips of the image, with hierarchical depth.
 
-Triangles come in clusters, neighbours on the surface, and clusters in order of their nearest point. The screen
-is cut into cells, of which the farthest depth is known; a cluster behind all cells that it crosses is hidden,
-and not looked into (Greene, Kass & Miller, "Hierarchical Z-Buffer Visibility", SIGGRAPH 1993). The others are
-drawn triangle by triangle, see :mod:`hsr.kernels.halfspaces` and :mod:`hsr.kernels.doubts`.
+Triangles come in clusters, neighbours on the surface, and clusters in order of their nearest point. The
+screen is cut into cells, of which the farthest depth is known; a cluster behind all cells that it crosses is
+hidden, and not looked into (Greene, Kass & Miller, "Hierarchical Z-Buffer Visibility", SIGGRAPH 1993). The
+others are drawn triangle by triangle, see :mod:`hsr.kernels.halfspaces` and :mod:`hsr.kernels.doubts`.
 
 The strips are shared out among threads. Neither their number nor the order of clusters leaves a trace.
 """
@@ -37,7 +37,6 @@ from hsr.kernels.halfspaces import (
     LEFT,
     LOOSE,
     NEAREST,
-    NUMBER,
     RIGHT,
     TABLE,
     TOP,
@@ -86,7 +85,13 @@ def reach(low: Floats, high: Floats, rows: Floats, eye: Eye, extent: Floats) -> 
     """
     for i in prange(len(low)):
         left, right, top, bottom, nearest = reach_box(low[i], high[i], rows, eye)
-        extent[i, 0], extent[i, 1], extent[i, 2], extent[i, 3], extent[i, 4] = left, right, top, bottom, nearest
+        extent[i, 0], extent[i, 1], extent[i, 2], extent[i, 3], extent[i, 4] = (
+            left,
+            right,
+            top,
+            bottom,
+            nearest,
+        )
 
 
 @jit
@@ -124,8 +129,8 @@ def deal(extent: Floats, order: Array, height: int) -> tuple[Ints, Array]:
     listed : (m,) int32
         Clusters, list after list.
     strips : (S, 3) int64
-        A strip, where its list begins and where it ends. They come scattered over the image, so that threads that
-        take equal parts have about equal work.
+        A strip, where its list begins and where it ends. They come scattered over the image, so that threads
+        that take equal parts have about equal work.
     """
     number = -(-height // STRIP)
     place = np.zeros(number + 1, np.int64)
@@ -182,7 +187,9 @@ def rasterise(
     for k in prange(len(strips)):
         strip = strips[k, 0]
         room = None if doubts is None else doubts[k]
-        draw_strip(mesh, extent, listed[strips[k, 1] : strips[k, 2]], loose, strip, eye, room, counts[k], face, depth)
+        draw_strip(
+            mesh, extent, listed[strips[k, 1] : strips[k, 2]], loose, strip, eye, room, counts[k], face, depth
+        )
 
 
 @jit

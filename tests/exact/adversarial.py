@@ -54,7 +54,9 @@ def copies(random: Random) -> Soup:
     halves = [np.column_stack([triangles[:, 0], m, triangles[:, 2]]), np.column_stack([m, triangles[:, 1:]])]
     moved = np.nextafter(vertices, random.choice([-9.0, 9.0], vertices.shape))
     every = np.concatenate([vertices, middle, moved])
-    return every, np.concatenate([triangles, triangles[:, ::-1], *halves, triangles + len(vertices) + len(middle)])
+    return every, np.concatenate(
+        [triangles, triangles[:, ::-1], *halves, triangles + len(vertices) + len(middle)]
+    )
 
 
 def lattice(random: Random) -> Soup:
@@ -69,7 +71,9 @@ def crowd(random: Random) -> Soup:
     x, y = np.meshgrid(np.linspace(-0.1, 0.1, n), np.linspace(-0.1, 0.1, n))
     z = random.normal(0.0, 0.02, (n, n))
     a = (np.arange(n - 1)[:, None] * n + np.arange(n - 1)).ravel()
-    triangles = np.concatenate([np.column_stack([a, a + 1, a + n]), np.column_stack([a + 1, a + n + 1, a + n])])
+    triangles = np.concatenate(
+        [np.column_stack([a, a + 1, a + n]), np.column_stack([a + 1, a + n + 1, a + n])]
+    )
     return np.column_stack([x.ravel(), y.ravel(), z.ravel()]), triangles
 
 
@@ -77,7 +81,9 @@ def fan(random: Random) -> Soup:
     """A closed fan about a corner that lies at a sample of :func:`above`."""
     n = int(random.integers(3, 20))
     angle = np.sort(random.uniform(0.0, 2.0 * np.pi, n))
-    ring = np.column_stack([np.cos(angle), np.sin(angle), random.normal(0.0, 0.3, n)]) * random.choice([0.5, 2.0])
+    ring = np.column_stack([np.cos(angle), np.sin(angle), random.normal(0.0, 0.3, n)]) * random.choice(
+        [0.5, 2.0]
+    )
     apex = [[*random.choice([-0.5, 0.0, 0.5], 2), random.normal()]]
     around = np.arange(n)
     return np.concatenate([apex, ring]), np.column_stack([0 * around, 1 + around, 1 + (around + 1) % n])
@@ -144,7 +150,9 @@ def adversarial(seed: int, curved: bool = False) -> View:
         objects.append(_curved(random))
     camera = (ahead, above, inside)[random.integers(3)](random)
     if random.random() < 0.5:
-        camera["eye"] = [e + m for e, m in zip(camera["eye"], objects[0]["transform"][1]["translate"], strict=True)]
+        camera["eye"] = [
+            e + m for e, m in zip(camera["eye"], objects[0]["transform"][1]["translate"], strict=True)
+        ]
     camera["target"] = [camera["eye"][0], camera["eye"][1], camera["eye"][2] - 1.0]
     side = int(random.choice([9, 9, 13, 24]))
     return view(scene(objects, camera), (side, 9 if random.random() < 0.5 else side))

@@ -140,8 +140,8 @@ def facets_of(frame: Frame, thing: int, placement: Placement, triangle: Array) -
         Index of the object.
     placement : Placement
     triangle : (n,) int64
-        Indices into ``placement.shape.polygons.triangle_vertex``; each fan the other way round if the object is
-        mirrored, for so ``view.polygons`` has them.
+        Indices into ``placement.shape.polygons.triangle_vertex``; each fan the other way round if the object
+        is mirrored, for so ``view.polygons`` has them.
     """
     polygons = placement.shape.polygons
     assert polygons is not None, "spheres and cylinders have no facets"
