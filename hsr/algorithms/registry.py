@@ -128,6 +128,20 @@ BUILT_IN = (
     ),
     Method("opengl", "headless OpenGL: OSMesa, else EGL", "hsr.algorithms.opengl", {}, False, "opengl"),
     Method("embree", "Embree through embreex's own API", "hsr.algorithms.embree", {}, False, "embree"),
+    Method(
+        "embree-packets",
+        "Embree's library, packets of 4 x 4 coherent rays on all threads",
+        "hsr.algorithms.embree",
+        {"interface": "packets"},
+        needs="embree",
+    ),
+    Method(
+        "embree-single",
+        "Embree's library, one ray at a time on all threads",
+        "hsr.algorithms.embree",
+        {"interface": "single"},
+        needs="embree",
+    ),
 )
 
 

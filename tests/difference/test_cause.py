@@ -160,14 +160,15 @@ def test_the_traversal_is_named(truth: VisibilityMap, monkeypatch: pytest.Monkey
     assert found.counts == {"traversal": found.wrong} and found.wrong > 0
 
 
-def test_embree_is_named_after_its_rounding() -> None:
+@pytest.mark.parametrize("method", ["embree", "embree-packets", "embree-single"])
+def test_embree_is_named_after_its_rounding(method: str) -> None:
     """Far from the origin float32 moves corners; edges that are met exactly are the intersector's."""
     pytest.importorskip("embreex")
     seen = prism()
-    found = named(seen, "embree", exact.render(seen, exact.Options()))
+    found = named(seen, method, exact.render(seen, exact.Options()))
     assert found.counts == {"intersector": found.wrong} and found.wrong > 0
     away = far_away()
-    found = named(away, "embree", exact.render(away, exact.Options()))
+    found = named(away, method, exact.render(away, exact.Options()))
     assert found.unexplained == 0 and found.reproduced is None
     assert {"input rounding", "transform"} <= set(found.counts)
 
@@ -184,7 +185,9 @@ def far_away() -> View:
 # ---------------------------------------------------------------- all stages together
 
 
-@pytest.mark.parametrize("name", ["zbuffer", "zbuffer-tiles", "raycast", "opengl", "embree"])
+@pytest.mark.parametrize(
+    "name", ["zbuffer", "zbuffer-tiles", "raycast", "opengl", "embree", "embree-packets"]
+)
 def test_all_models_are_right_where_rounding_decides_nothing(name: str, truth: VisibilityMap) -> None:
     seen, samples, method = soup(), np.arange(0, 48 * 48, 7), method_named(name)
     pipeline = pipeline_of(method)
