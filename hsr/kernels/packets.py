@@ -166,4 +166,4 @@ def _read(
             k = (row - top) * side + column - left
             triangle = packet["triangle"][k]
             face[row, column] = face_of[triangle]
-            depth[row, column] = np.inf if triangle == NOTHING else near + float(packet["farthest"][k])
+            depth[row, column] = np.inf if triangle == NOTHING else near + np.float64(packet["farthest"][k])

@@ -12,7 +12,7 @@ import pytest
 
 import hsr
 from hsr.algorithms import exact, raycast, zbuffer
-from hsr.algorithms.registry import method_named
+from hsr.algorithms.registry import BUILT_IN, method_named
 from hsr.difference.cause import Causes, causes, pipeline_of
 from hsr.difference.models import zbuffer as models
 from hsr.difference.models.stages import Cause
@@ -158,6 +158,48 @@ def test_the_traversal_is_named(truth: VisibilityMap, monkeypatch: pytest.Monkey
     monkeypatch.setattr(raycast, "_built", WeakKeyDictionary())
     found = named(soup(), "raycast-single", truth)
     assert found.counts == {"traversal": found.wrong} and found.wrong > 0
+
+
+RAYCAST = [method.name for method in BUILT_IN if method.module == raycast.__name__ and not method.exhaustive]
+
+
+@pytest.mark.jit
+@pytest.mark.parametrize("method", RAYCAST)
+def test_no_sample_of_any_ray_caster_is_unexplained(method: str, truth: VisibilityMap) -> None:
+    for seen, true in ((soup(), truth), (away := far_away(), exact.render(away, exact.Options()))):
+        found = named(seen, method, true)
+        assert found.unexplained == 0 and found.reproduced
+
+
+@pytest.mark.jit
+def test_float32_rays_are_named_after_their_rounding() -> None:
+    """Far from the origin of its own frame, a mesh is rounded; seen from afar, edge planes are."""
+    seen = far_away()
+    baked = seen.polygons
+    placement = seen.placements[0]
+    shape = replace(placement.shape, polygons=replace(baked, face=placement.shape.polygons.face))
+    moved = replace(seen, placements=(replace(placement, shape=shape, world_from_object=np.eye(4)),))
+    true = exact.render(moved, exact.Options())
+    assert named(moved, "raycast-woop", true).wrong == 0
+    assert named(moved, "raycast-woop-float32", true).counts["input rounding"] > 0
+    found = named(moved, "raycast-float32", true).counts
+    assert found["intersector"] > 0
+
+
+@pytest.mark.jit
+def test_naive_slabs_are_named_traversal() -> None:
+    """Where the lines of a grid run through samples, rays graze the extents of its parts, and some are lost."""
+    side = np.arange(-15.0, 16.0, 2.0) / 16.0 * 3.0
+    vertices = [[x, y, 0.0] for y in side for x in side]
+    corner = [16 * row + column for row in range(15) for column in range(15)]
+    faces = [[k, k + 1, k + 17] for k in corner] + [[k, k + 17, k + 16] for k in corner]
+    thing = {"name": "grid", "shape": "mesh", "vertices": vertices, "faces": faces}
+    camera = {"type": "perspective", "eye": [0.0, 0.0, 3.0], "fov": 90.0}
+    seen = view(Scene.model_validate({"camera": [camera], "object": [thing]}), (16, 16))
+    true = exact.render(seen, exact.Options())
+    assert "traversal" not in named(seen, "raycast-single", true).counts
+    found = named(seen, "raycast-naive-slabs", true)
+    assert found.counts["traversal"] > 0 and found.unexplained == 0
 
 
 @pytest.mark.parametrize("method", ["embree", "embree-packets", "embree-single"])
