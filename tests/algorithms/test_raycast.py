@@ -378,6 +378,34 @@ def test_in_space_a_sample_on_an_edge_belongs_to_both_triangles(make_scene, test
     assert (answer.depth == 8.0).all()
 
 
+WALL = {
+    "name": "wall",
+    "shape": "mesh",
+    "vertices": [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 9.0, 0.0]],
+    "faces": [[0, 1, 2]],
+}
+
+
+@pytest.mark.parametrize("test", ["screen", "edge-planes", "moller-trumbore", "woop"])
+@pytest.mark.parametrize(
+    ("near", "far", "shown"),
+    [(8.0, 9.0, True), (7.0, 8.0, True), (8.0 + 2.0**-40, 9.0, False), (7.0, 7.5, False)],
+)
+def test_near_and_far_are_closed_whatever_the_test(make_scene, test, near, far, shown):
+    view = hsr.view(make_scene([WALL], eye=[0.0, 0.0, 8.0], near=near, far=far), (1, 1))
+    assert (raycast.render(view, Options("none", test=test)).face[0, 0] == 0) == shown
+
+
+@pytest.mark.parametrize("thing", [WALL, CUBE, SPHERE], ids=lambda thing: thing["shape"])
+def test_in_float32_every_depth_is_a_float32_number(make_scene, thing):
+    tilted = [{"scale": 0.37}, {"rotate_x": 33.0}, {"rotate_y": 21.0}]
+    view = hsr.view(make_scene([thing | {"transform": tilted}], **EYES["orthographic"]), (9, 9))
+    answer = raycast.render(view, Options("none", test="woop", arithmetic="float32"))
+    assert (answer.face >= 0).any()
+    assert (answer.depth == answer.depth.astype(np.float32)).all()
+    assert answer.notes["depth_format"]["step"] == 2.0**-23
+
+
 def test_coordinates_beyond_float32_are_one_clear_line(make_scene):
     far_away = [[1e39, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
     thing = {"name": "huge", "shape": "mesh", "vertices": far_away, "faces": [[0, 1, 2]]}
