@@ -14,12 +14,12 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any, Literal, get_args
 
-import numba
 import numpy as np
 
 from hsr.algorithms import embree_library
 from hsr.arrays import Array, Floats, Ints
 from hsr.errors import MethodError, UnavailableError
+from hsr.jit import thread_count
 from hsr.kernels.packets import PACKET_SIDE, Sight
 from hsr.viewing import CULL, View, WorldPolygons
 from hsr.visibility import BACKGROUND, Clock, VisibilityMap, depth_format
@@ -200,7 +200,7 @@ class _Library:
     """The library's own interface, for single rays or packets of them."""
 
     def __init__(self, packets: bool) -> None:
-        self.packets, self.threads = packets, numba.get_num_threads()
+        self.packets, self.threads = packets, thread_count()
         self.device = embree_library.device(self.threads)
         self.driver = f"Embree {embree_library.version(self.device)}"
 

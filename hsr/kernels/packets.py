@@ -34,33 +34,23 @@ def packet_of(rays: int) -> np.dtype[Any]:
 
     Of the hit only the triangle is read; Embree writes the rest, too.
     """
-    packed = np.dtype(
-        [
-            ("origin", np.float32, (3, rays)),
-            ("nearest", np.float32, rays),
-            ("direction", np.float32, (3, rays)),
-            ("time", np.float32, rays),
-            ("farthest", np.float32, rays),
-            ("mask", np.int32, rays),
-            ("id", np.int32, rays),
-            ("flags", np.int32, rays),
-            ("normal", np.float32, (3, rays)),
-            ("place", np.float32, (2, rays)),
-            ("triangle", np.int32, rays),
-            ("geometry", np.int32, rays),
-            ("instance", np.int32, (2, rays)),
-        ]
-    )
-    names = list(packed.names or ())
-    fields = [packed.fields[name] for name in names] if packed.fields else []
-    return np.dtype(
-        {
-            "names": names,
-            "formats": [field[0] for field in fields],
-            "offsets": [field[1] for field in fields],
-            "itemsize": -(-packed.itemsize // ALIGNMENT) * ALIGNMENT,
-        }
-    )
+    fields = [
+        ("origin", np.float32, (3, rays)),
+        ("nearest", np.float32, rays),
+        ("direction", np.float32, (3, rays)),
+        ("time", np.float32, rays),
+        ("farthest", np.float32, rays),
+        ("mask", np.int32, rays),
+        ("id", np.int32, rays),
+        ("flags", np.int32, rays),
+        ("normal", np.float32, (3, rays)),
+        ("place", np.float32, (2, rays)),
+        ("triangle", np.int32, rays),
+        ("geometry", np.int32, rays),
+        ("instance", np.int32, (2, rays)),
+    ]
+    spare = ALIGNMENT - np.dtype(fields).itemsize % ALIGNMENT
+    return np.dtype([*fields, ("spare", np.uint8, spare)])
 
 
 def aligned(count: int, kind: np.dtype[Any]) -> Array:
