@@ -13,7 +13,7 @@ import pytest
 import hsr
 from hsr.algorithms import exact, raycast
 from hsr.algorithms import scanline as algorithm
-from hsr.algorithms.registry import method_named
+from hsr.algorithms.registry import BUILT_IN, method_named
 from hsr.difference.cause import Causes, causes, pipeline_of
 from hsr.difference.models import scanline as models
 from hsr.difference.models.stages import Cause
@@ -163,14 +163,59 @@ def test_the_traversal_is_named(truth: VisibilityMap, monkeypatch: pytest.Monkey
     assert found.counts == {"traversal": found.wrong} and found.wrong > 0
 
 
-def test_embree_is_named_after_its_rounding() -> None:
+RAYCAST = [method.name for method in BUILT_IN if method.module == raycast.__name__ and not method.exhaustive]
+
+
+@pytest.mark.jit
+@pytest.mark.parametrize("method", RAYCAST)
+def test_no_sample_of_any_ray_caster_is_unexplained(method: str, truth: VisibilityMap) -> None:
+    for seen, true in ((soup(), truth), (away := far_away(), exact.render(away, exact.Options()))):
+        found = named(seen, method, true)
+        assert found.unexplained == 0 and found.reproduced
+
+
+@pytest.mark.jit
+def test_float32_rays_are_named_after_their_rounding() -> None:
+    """Far from the origin of its own frame, a mesh is rounded; seen from afar, edge planes are."""
+    seen = far_away()
+    baked = seen.polygons
+    placement = seen.placements[0]
+    shape = replace(placement.shape, polygons=replace(baked, face=placement.shape.polygons.face))
+    moved = replace(seen, placements=(replace(placement, shape=shape, world_from_object=np.eye(4)),))
+    true = exact.render(moved, exact.Options())
+    assert named(moved, "raycast-woop", true).wrong == 0
+    assert named(moved, "raycast-woop-float32", true).counts["input rounding"] > 0
+    found = named(moved, "raycast-float32", true).counts
+    assert found["intersector"] > 0
+
+
+@pytest.mark.jit
+def test_naive_slabs_are_named_traversal() -> None:
+    """Where two walls meet on a column of samples, rays graze both extents, and some are lost."""
+    depth, meeting = 1.9375, -49.0 / 64.0 * 1.9375
+    things = []
+    for name, left, right in (("left", -2.0, meeting), ("right", meeting, 2.0)):
+        vertices = [[x, y, -depth] for x, y in ((left, -2.0), (right, -2.0), (right, 2.0), (left, 2.0))]
+        faces = [[0, 1, 2], [0, 2, 3]]
+        things.append({"name": name, "shape": "mesh", "vertices": vertices, "faces": faces})
+    matrix = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, -1.0, -0.5], [0.0, 0.0, -1.0, 0.0]]
+    camera = {"type": "matrix", "matrix": matrix}
+    seen = view(Scene.model_validate({"camera": [camera], "object": things}), (64, 64))
+    true = exact.render(seen, exact.Options())
+    assert named(seen, "raycast-single", true).wrong == 0
+    found = named(seen, "raycast-naive-slabs", true)
+    assert found.counts == {"traversal": 64}
+
+
+@pytest.mark.parametrize("method", ["embree", "embree-packets", "embree-single"])
+def test_embree_is_named_after_its_rounding(method: str) -> None:
     """Far from the origin float32 moves corners; edges that are met exactly are the intersector's."""
     pytest.importorskip("embreex")
     seen = prism()
-    found = named(seen, "embree", exact.render(seen, exact.Options()))
+    found = named(seen, method, exact.render(seen, exact.Options()))
     assert found.counts == {"intersector": found.wrong} and found.wrong > 0
     away = far_away()
-    found = named(away, "embree", exact.render(away, exact.Options()))
+    found = named(away, method, exact.render(away, exact.Options()))
     assert found.unexplained == 0 and found.reproduced is None
     assert {"input rounding", "transform"} <= set(found.counts)
 
@@ -187,7 +232,10 @@ def far_away() -> View:
 # ---------------------------------------------------------------- all stages together
 
 
-@pytest.mark.parametrize("name", ["scanline", "zbuffer", "raycast", "opengl", "embree"])
+@pytest.mark.parametrize(
+    "name",
+    ["scanline", "zbuffer-plain", "raycast", "opengl", "embree", "embree-packets", "raycast-woop-float32"],
+)
 def test_all_models_are_right_where_rounding_decides_nothing(name: str, truth: VisibilityMap) -> None:
     seen, samples, method = soup(), np.arange(0, 48 * 48, 7), method_named(name)
     pipeline = pipeline_of(method)

@@ -1,0 +1,1 @@
+"""Experiments: what the methods cost, and where they break."""
