@@ -27,6 +27,10 @@ PACKAGES = ("hsr-lab", "numpy", "numba", "scipy", "moderngl")
 """Whose versions a report names, besides Python's."""
 
 
+STYLES = ("shared.css", "report.css")
+"""The style sheets of the page: what every page shares, then the report's own."""
+
+
 def write_report(
     studies: Sequence[Study], path: str | Path, title: str = "Which surface does the eye see?"
 ) -> None:
@@ -83,7 +87,7 @@ def _render(studies: Sequence[Study], title: str) -> str:
         date=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         environment=_environment(studies),
         lab={"pictures": album.uris, "scenes": scenes},
-        style=Markup(here.joinpath("templates", "report.css").read_text(encoding="utf-8")),
+        style=Markup("".join(here.joinpath("templates", name).read_text("utf-8") for name in STYLES)),
         script=Markup(here.joinpath("viewer.js").read_text(encoding="utf-8")),
     )
 
