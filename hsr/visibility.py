@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -129,6 +130,12 @@ class VisibilityMap:
     def name_of(self, face: int) -> str:
         """Return what a person calls a face: ``cube.top``, ``bunny#18211`` or ``background``."""
         return name_in(self.manifest, face)
+
+    def _repr_html_(self) -> str:
+        """Show the map in a notebook."""
+        # By name: pages stand far above maps, and nobody but a notebook asks for one.
+        html: str = importlib.import_module("hsr.report.notebook").map_html(self)
+        return html
 
     def save(self, path: str | Path) -> None:
         """Write the map as ``.npz``: the same answer gives the same bytes.

@@ -5,6 +5,7 @@ Maps are compared by face id and by depth, never by colour: two faces may well b
 
 from __future__ import annotations
 
+import importlib
 import math
 from dataclasses import dataclass
 from enum import IntEnum
@@ -179,6 +180,12 @@ class Difference:
 
     def __str__(self) -> str:
         return self.summary()
+
+    def _repr_html_(self) -> str:
+        """Show the difference in a notebook."""
+        # By name: pages stand above differences, and nobody but a notebook asks for one.
+        html: str = importlib.import_module("hsr.report.notebook").difference_html(self)
+        return html
 
     def _headline(self) -> str:
         size = f"{self.a.width}x{self.a.height}"
