@@ -189,7 +189,7 @@ def compare(
     loaded = [(path, hsr.load(path)) for path in scenes]
     names = method or list(hsr.methods())
     studies = []
-    with progress(quiet, len(loaded) * len({*names, ref})) as step:
+    with progress(quiet, len(loaded) * (len({*names, ref}) + (output is not None))) as step:
         for path, scene in loaded:
             found = study(
                 scene,
@@ -202,11 +202,11 @@ def compare(
                 progress=step,
             )
             studies.append(found)
-    _require(studies, {*(method or ()), ref})
-    if output is not None:
-        from hsr.report.page import write_report
+        _require(studies, {*(method or ()), ref})
+        if output is not None:
+            from hsr.report.page import write_report
 
-        write_report(studies, output)
+            write_report(studies, output, progress=step)
     if as_json:
         print_json({"hsr": 1, "studies": [found.to_json() for found in studies]})
     else:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hsr.arrays import Array, Floats, Ints, Pixels
+from hsr.arrays import Array, Ints, Pixels
 from hsr.kernels.clipping import clip_polygons, view_volume
 from hsr.kernels.projection import clip_rows, to_clip, to_screen
 from hsr.viewing import CULL, View
@@ -67,7 +67,7 @@ class Drawn:
         complexity: Pixels = np.clip(count, 0, MOST).astype(np.uint8)
         return complexity
 
-    def _steps(self, edges: Array) -> Floats:
+    def _steps(self, edges: Array) -> Array:
         """Count on every scan line, (H * (W + 1),), the faces that edges open less those they close.
 
         Row r is on an edge from y0 down to y1 if ``y0 <= r + 0.5 < y1``, and opened or closed from column

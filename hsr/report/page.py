@@ -8,7 +8,7 @@ import math
 import os
 import platform
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
 from importlib.resources import files
@@ -58,7 +58,10 @@ STYLES = ("shared.css", "report.css")
 
 
 def write_report(
-    studies: Sequence[Study], path: str | Path, title: str = "Which surface does the eye see?"
+    studies: Sequence[Study],
+    path: str | Path,
+    title: str = "Which surface does the eye see?",
+    progress: Callable[[str], None] | None = None,
 ) -> None:
     """Write a report on several studies as one HTML file that needs no network.
 
@@ -74,6 +77,8 @@ def write_report(
     path : str or Path
     title : str
         What the page is headed by.
+    progress : callable, optional
+        Called with a study's name before the histories of its samples are told, which takes seconds.
 
     Raises
     ------
@@ -85,7 +90,12 @@ def write_report(
             raise HsrError(f"nothing to report on {found.name}: every method was skipped")
     if not studies:
         raise HsrError("nothing to report: no scenes")
-    write_whole(path, _render(studies, title), "the report")
+    data = []
+    for found in studies:
+        if progress is not None:
+            progress(f"histories of {found.name}")
+        data.append(inspection(found))
+    write_whole(path, _render(studies, title, data), "the report")
 
 
 def fragment(scene: str, method: str, sample: tuple[int, int] | None = None) -> str:
@@ -111,7 +121,7 @@ def fragment(scene: str, method: str, sample: tuple[int, int] | None = None) -> 
     return f"#{urlencode(named)}"
 
 
-def _render(studies: Sequence[Study], title: str) -> str:
+def _render(studies: Sequence[Study], title: str, data: Sequence[dict[str, Any]]) -> str:
     style, script = _style(), _text("viewer.js")
     environment = Environment(
         loader=PackageLoader("hsr.report"),
@@ -140,7 +150,7 @@ def _render(studies: Sequence[Study], title: str) -> str:
         environment=_environment(studies),
         help=HELP,
         key=key(),
-        inspection=inspection,
+        data=data,
         style=Markup(style),
         script=Markup(script),
         policy=f"default-src 'none'; img-src data:; style-src {_hash(style)}; script-src {_hash(script)}",
