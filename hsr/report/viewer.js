@@ -574,7 +574,7 @@
   }
   if (!matchMedia("(prefers-reduced-motion: reduce)").matches) setInterval(blink, PACE);
 
-  /** Open a scene at a method's sample: its first cluster if none is named. */
+  /** Open a scene at a method's sample: if none is named its largest cluster, or else one that has a history. */
   async function open(number, wanted, row, column) {
     [mode, kind, overlay] = ["two-up", "faces", "none"];
     canvases.clear();
@@ -595,12 +595,14 @@
     measure();
     fit();
     update();
-    const [first] = scene.methods[shown[1]].clusters;
+    const { clusters, samples } = scene.methods[shown[1]];
+    const told = samples.find((number) => number in scene.stories); // ties form no clusters
+    const first = clusters[0] ?? (told !== undefined && [Math.floor(told / scene.width), told % scene.width]);
     if (row !== undefined) {
       pick(row, column);
     } else if (first) {
       kind = "classes";
-      pick(...first);
+      pick(first[0], first[1]);
       update();
     } else {
       pick(scene.height >> 1, scene.width >> 1);

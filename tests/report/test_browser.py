@@ -7,6 +7,7 @@ import re
 import shutil
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -333,6 +334,20 @@ def test_brackets_walk_through_the_clusters(visit: Any, studied: Study) -> None:
         press(tab, key)
         visited.append(text(tab, "position"))
     assert visited == [clusters[0], clusters[1], clusters[0]]
+
+
+def test_where_only_ties_differ_one_with_a_history_is_shown(
+    browser: Any, studied: Study, tmp_path: Path
+) -> None:
+    difference = studied.differences["shifted"]
+    ties = np.where(difference.classes > 0, np.uint8(SampleClass.TIE), np.uint8(0))
+    tied = replace(studied, differences={"shifted": replace(difference, classes=ties, clusters=())})
+    write_report([tied], tmp_path / "ties.html")
+    tab = browser.new_page()
+    tab.goto((tmp_path / "ties.html").as_uri() + fragment("boxes", "shifted"))
+    ready(tab)
+    assert "T tie" in text(tab, "legend") and text(tab, "story").startswith("column ")
+    tab.close()
 
 
 def test_help_names_the_keys_and_closes(visit: Any) -> None:
