@@ -186,10 +186,10 @@ def fill(
                 key = key_of(z, mask, number)
                 place = np.uintp(start - window.column + lane)
                 old = here[place]
-                inside = inner >= bound
-                here[place] = key if inside & (key + gap < old) else old
+                inside, apart = inner >= bound, max(key, old) - min(key, old)
+                here[place] = key if inside & (key < old) & (apart > gap) else old
                 if certify is not None:
-                    doubtful |= (abs(inner) < bound) | (inside & (key - old + gap <= gap + gap))
+                    doubtful |= (abs(inner) < bound) | (inside & (apart <= gap))
     return doubtful
 
 
@@ -235,13 +235,13 @@ def span_of(row: Row, bound: float, left: int, begin: int, end: int) -> tuple[in
     low, high = float(begin - left), float(end - left)
     for edge in range(3):
         e, across = (row[0], row[1]) if edge == 0 else (row[2], row[3]) if edge == 1 else (row[4], row[5])
-        border = -(e + bound) / across
         if across > 0.0:
-            low = max(low, border - 1.0)
+            low = max(low, -(e + bound) / across - 1.0)
         elif across < 0.0:
-            high = min(high, border + 2.0)
+            high = min(high, -(e + bound) / across + 2.0)
         elif e < -bound:
             high = low
+    low = min(low, float(end - left))
     return left + int(low), left + int(max(high, low))
 
 
@@ -262,7 +262,7 @@ def note(
             if abs(inner) < bound:
                 if not is_hidden(key, old, gap):
                     write(doubts, counts, sample, key, False)
-            elif inner >= bound and key != old and key - old + gap <= gap + gap:
+            elif inner >= bound and key != old and max(key, old) - min(key, old) <= gap:
                 write(doubts, counts, sample, key, True)
                 write(doubts, counts, sample, old, True)
 

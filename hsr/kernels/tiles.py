@@ -255,7 +255,7 @@ def draw_table(
         if is_behind(table[NEAREST + i] - eye.tie, cells, farthest):
             continue
         counts[TRIANGLES] += 1
-        if doubts is not None and not is_certain(table, i, eye):
+        if not is_certain(table, i, eye) and doubts is not None:
             suspect(table, i, keys, window, doubts, counts)
         elif table[CUT + i] != 0.0:
             doubtful = fill(table, i, keys, window, limits_of(table, i, eye), certify)
