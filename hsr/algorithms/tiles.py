@@ -253,16 +253,16 @@ def draw(
 
 def _number(mesh: Mesh, found: Array) -> Array:
     """Return which triangle each doubt is about."""
-    return (found["key"] & _number_bits(mesh)).astype(np.int64)
+    return np.asarray(found["key"] & _number_bits(mesh))
 
 
-def _number_bits(mesh: Mesh) -> np.uint64:
+def _number_bits(mesh: Mesh) -> int:
     """Return the bits of a key that are the number of a triangle."""
-    return ~np.uint64(doubts.depth_mask(len(mesh.corner)))
+    return int(doubts.EMPTY) - int(doubts.depth_mask(len(mesh.corner)))
 
 
 def _format(view: View, mesh: Mesh, eye: Eye) -> dict[str, Any]:
     """Describe key depths as window depths, which fill the range from near to far."""
-    step = (float(_number_bits(mesh)) + 1.0) * 2.0**-64 / eye.scale
+    step = (_number_bits(mesh) + 1.0) * 2.0**-63 / eye.scale
     whole = nearness_of(view.near, view.perspective) - nearness_of(view.far, view.perspective)
     return depth_format("window", step / whole, view.near, view.far, view.perspective)

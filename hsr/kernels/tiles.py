@@ -12,12 +12,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from hsr.arrays import Array, Floats, Ints
+from hsr.arrays import Array, Bools, Floats, Ints
 from hsr.jit import jit, parallel_jit, prange
 from hsr.kernels.doubts import (
     EMPTY,
     TRIANGLES,
     Window,
+    clear,
     depth_mask,
     depth_of,
     fill,
@@ -208,11 +209,11 @@ def draw_strip(
     """Draw the listed clusters and all loose triangles into one strip, and read it out."""
     screen, corner, cull, faces = mesh
     first, last = strip * STRIP, min((strip + 1) * STRIP, len(face))
-    keys = np.full((last - first, face.shape[1] + LANES), EMPTY, np.uint64)
+    keys = np.full((last - first, face.shape[1] + LANES), EMPTY, np.int64)
     mask = depth_mask(len(corner))
     window = Window(first, 0, face.shape[1], mask, gap_of(mask, eye.tie))
     farthest = np.full((STRIP // CELL, face.shape[1] // CELL + 1), np.inf)
-    stale = np.zeros(farthest.shape, np.bool_)
+    stale, drawn = np.zeros(farthest.shape, np.bool_), np.zeros(farthest.shape, np.bool_)
     table = np.empty(TABLE)
 
     # Draw the clusters, nearest first, but for the hidden ones.
@@ -225,12 +226,33 @@ def draw_strip(
         n = set_up(screen, corner, cull, m * CLUSTER, eye, table)
         draw_table(table, n, keys, window, eye, farthest, doubts, counts)
         stale[cells[0] : cells[1], cells[2] : cells[3]] = True
+        drawn[cells[0] : cells[1], cells[2] : cells[3]] = True
 
+    drawn[:] |= len(loose) > 0
     for t in range(len(loose)):
         draw_table(loose[t], CLUSTER, keys, window, eye, farthest, doubts, counts)
     if doubts is not None:
         settle(keys, window, doubts, counts)
-    read_out(keys, window, faces, eye, face, depth)
+    for row in range(-(-len(keys) // CELL)):
+        first_column = 0
+        while first_column < face.shape[1]:
+            cell = first_column // CELL
+            end_column = min(end_of_run(drawn[row], cell) * CELL, face.shape[1])
+            box = (row * CELL, min((row + 1) * CELL, len(keys)), first_column, end_column)
+            if drawn[row, cell]:
+                read_out(keys, window, box, faces, eye, face, depth)
+            else:
+                clear(window, box, face, depth)
+            first_column = end_column
+
+
+@jit
+def end_of_run(drawn: Bools, cell: int) -> int:
+    """Return the first cell after one that is not as it is."""
+    end = cell + 1
+    while end < len(drawn) and drawn[end] == drawn[cell]:
+        end += 1
+    return end
 
 
 @jit
@@ -300,8 +322,8 @@ def is_behind(z: float, cells: Cells, farthest: Floats) -> bool:
 @jit
 def farthest_in(keys: Array, row: int, column: int) -> float:
     """Return the greatest key depth in a cell, ``inf`` if some sample is empty."""
-    greatest = np.uint64(0)
+    greatest = np.int64(0)
     for line in range(row, min(row + CELL, len(keys))):
         for lane in range(CELL):
             greatest = max(greatest, keys[line, np.uintp(column + lane)])
-    return depth_of(greatest) if greatest != EMPTY else np.inf
+    return depth_of(int(greatest)) if greatest != EMPTY else np.inf
