@@ -350,21 +350,24 @@ def read_out(
     """
     # Depths were cut off below the bits of the mask: on average by half a step.
     step, half = 1.0 / eye.scale, 0.5 * (depth_of(int(EMPTY - window.mask)) - 1.0)
-    for row in range(box[0], box[1]):
-        for i in range(box[2], box[3]):
-            key = keys[row, i]
+    first, end, left = np.uintp(box[2]), np.uintp(box[3]), np.uintp(window.column)
+    for line in range(box[0], box[1]):
+        here, faces_here, depths_here = keys[line], face[window.line + line], depth[window.line + line]
+        for column in range(first, end):
+            key = here[column]
             nearness = eye.front - (depth_of(key & window.mask) + half - FRONT) * step
             seen = 1.0 / nearness if eye.perspective else -nearness
-            depth[window.line + row, window.column + i] = seen if key != EMPTY else np.inf
-        for i in range(box[2], box[3]):
-            key = keys[row, i]
-            owner = faces[key & ~window.mask] if key != EMPTY else np.int32(-1)
-            face[window.line + row, window.column + i] = owner
+            depths_here[left + column] = seen if key != EMPTY else np.inf
+        for column in range(first, end):
+            key = here[column]
+            owner = faces[np.uintp(key & ~window.mask)] if key != EMPTY else np.int32(-1)
+            faces_here[left + column] = owner
 
 
 @jit
 def clear(window: Window, box: Box, face: Array, depth: Floats) -> None:
     """Show the background at a box of samples."""
-    for row in range(window.line + box[0], window.line + box[1]):
-        for column in range(window.column + box[2], window.column + box[3]):
-            face[row, column], depth[row, column] = -1, np.inf
+    left, right = window.column + box[2], window.column + box[3]
+    for line in range(window.line + box[0], window.line + box[1]):
+        face[line, left:right] = -1
+        depth[line, left:right] = np.inf
