@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import json
 import xml.etree.ElementTree as ElementTree
 from typing import Any
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -208,7 +210,13 @@ def test_unused_baselines_are_told_after_a_whole_run_alone(project: pytest.Pytes
         project.runpytest(*some).stdout.no_fnmatch_line("unused baseline*")
 
 
-@pytest.mark.parametrize("content", [b"", b"PK\x03\x04 torn", b"not a map"])
+def foreign() -> bytes:
+    file = io.BytesIO()
+    np.savez(file, ids=np.zeros((8, 8)))
+    return file.getvalue()
+
+
+@pytest.mark.parametrize("content", [b"", b"PK\x03\x04 torn", b"not a map", foreign()])
 def test_a_damaged_baseline_is_told_in_a_line(written: pytest.Pytester, content: bytes) -> None:
     (written.path / BASELINES / "test_scene.npz").write_bytes(content)
     run = written.runpytest("test_baselines.py::test_scene")
@@ -315,6 +323,9 @@ def test_results_go_where_they_are_told(project: pytest.Pytester) -> None:
     assert all(name.startswith("out/here/") for name in files(project) - before)
     project.runpytest("test_truth.py::test_right", "--hsr-results=out/here")
     assert not list((project.path / "out/here").rglob("1-shown.npz"))  # those of the last run are gone
+    before = {name: (project.path / name).read_bytes() for name in files(project)}
+    project.runpytest("--collect-only", "--hsr-results=out/here")
+    assert {name: (project.path / name).read_bytes() for name in files(project)} == before
 
 
 def test_a_folder_of_other_things_is_refused(project: pytest.Pytester) -> None:
