@@ -267,6 +267,23 @@ def diff(
         raise typer.Exit(DIFFERS)
 
 
+# ---------------------------------------------------------------- accept
+
+
+@app.command()
+def accept(
+    decisions: Annotated[Path, typer.Argument(help="File that the page of a test run wrote, .json.")],
+    results: Annotated[Path, typer.Option("--results", help="Folder of the run's results.")] = Path(
+        ".hsr-results"
+    ),
+) -> None:
+    """Replace baselines of tests as decided in the page of a test run; run it in the project's root."""
+    from hsr.testing.accepting import apply
+
+    for line in apply(decisions, results, Path()):
+        say(line)
+
+
 # ---------------------------------------------------------------- explain, shrink
 
 NEGATIVE = {"ignore_unknown_options": True}
@@ -278,20 +295,23 @@ def explain(
     scene: Annotated[Path, typer.Argument(help="Scene or mesh file.")],
     sample: Sample,
     method: Methods = None,
+    map: Annotated[list[Path] | None, typer.Option("--map", help="Map to explain, .npz, repeatable.")] = None,
     size: Size = "512x512",
     camera: CameraName = None,
     as_json: Json = False,
 ) -> None:
-    """Tell what lies on one line of sight, and why each method shows what it shows.
+    """Tell what lies on one line of sight, and why each method or map shows what it shows.
 
-    Without -a zbuffer, raycast and, where it runs, opengl are asked.
+    Without -a and --map zbuffer, raycast and, where it runs, opengl are asked.
     """
     import hsr
     from hsr.difference.history import history
 
     view = hsr.view(hsr.load(scene), _size(size), camera)
     column, row = _sample(sample, view)
-    told = history(view, row, column, _maps(view, method))
+    given = [hsr.load_map(file) for file in map or ()]
+    asked = given if given and not method else [*given, *_maps(view, method)]
+    told = history(view, row, column, asked)
     if as_json:
         print_json({"hsr": 1, "scene": str(scene), **told.to_json()})
     else:

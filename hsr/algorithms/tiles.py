@@ -145,9 +145,9 @@ def mesh_of(view: View) -> Mesh:
 def clustered(view: View, chosen: Array, faces: Ints) -> Mesh:
     """Put some triangles (n,) of the fans in clusters; ``faces`` (all,) is what they shall show."""
     polygons = view.polygons
-    vertex, place = _along_the_curve(polygons.vertices, polygons.vertices)
+    vertex, place = along_the_curve(polygons.vertices, polygons.vertices)
     low, high = hierarchy.boxes_of(polygons.vertices, polygons.triangle_vertex[chosen])
-    order, _ = _along_the_curve(low, high)
+    order, _ = along_the_curve(low, high)
     number, first = chosen[order].astype(np.int32), np.arange(0, len(order), CLUSTER)
     return Mesh(
         polygons.vertices[vertex],
@@ -161,7 +161,7 @@ def clustered(view: View, chosen: Array, faces: Ints) -> Mesh:
     )
 
 
-def _along_the_curve(low: Floats, high: Floats) -> tuple[Ints, Ints]:
+def along_the_curve(low: Floats, high: Floats) -> tuple[Ints, Ints]:
     """Return the order of boxes along a Morton curve, and the place of each in it: neighbours get close."""
     _, order = hierarchy.radix_sort(hierarchy.morton_codes(low, high))
     place = np.empty_like(order)
