@@ -225,7 +225,7 @@ def speed_svg(panels: Sequence[Panel], x_title: str, y_title: str) -> str:
         The same for the same panels: without date, with fixed ids.
     """
     frame, names = Frame.around(panels), families(panels)
-    figure, axes = _figure(len(panels), 1 + max(len(panel.notes) for panel in panels))
+    figure, axes = _figure(len(panels), COLUMNS, 1 + max(len(panel.notes) for panel in panels))
     for k, (panel, area) in enumerate(zip(panels, axes, strict=True)):
         _draw_area(area, frame, panel.title, x_title)
         if k % COLUMNS == 0:
@@ -236,7 +236,9 @@ def speed_svg(panels: Sequence[Panel], x_title: str, y_title: str) -> str:
 
 
 COLUMNS = 3
-"""Panels in a row."""
+"""Panels in a row, of the chart of speeds; of the four that show how times grow there are two."""
+
+GROWTH_KEY = "Dashed: what theory says, its constants fitted. Bands: interval of the median."
 
 NOTE = 100
 """Letters of a note that fit below a panel."""
@@ -244,19 +246,19 @@ NOTE = 100
 KEY = "Dashed: the frontier; nobody beats the methods on it (bold). Whiskers: interval of the median."
 
 
-def _figure(panels: int, notes: int) -> tuple[Figure, list[Axes]]:
+def _figure(panels: int, columns: int, notes: int) -> tuple[Figure, list[Axes]]:
     """Return a figure with a grid of axes of exactly the size of a panel, with room for notes below each."""
     from matplotlib.figure import Figure
 
-    columns = min(panels, COLUMNS)
-    rows = -(-panels // COLUMNS)
+    columns = min(panels, columns)
+    rows = -(-panels // columns)
     margin, across, below = 52.0, 34.0, 44.0 + LINE * notes
     width = margin + columns * (PANEL[0] + across)
     height = rows * (PANEL[1] + 26.0 + below)
     figure = Figure(figsize=(width / 72.0, height / 72.0), facecolor="white")
     axes = []
     for k in range(panels):
-        row, column = divmod(k, COLUMNS)
+        row, column = divmod(k, columns)
         left = margin + column * (PANEL[0] + across)
         bottom = height - (row + 1) * (PANEL[1] + 26.0) - row * below
         axes.append(figure.add_axes((left / width, bottom / height, PANEL[0] / width, PANEL[1] / height)))
@@ -388,13 +390,14 @@ def growth_svg(series: Sequence[Growth], y_title: str) -> str:
         The same for the same curves.
     """
     names = list(dict.fromkeys(curve.family for one in series for curve in one.curves))
-    figure, axes = _figure(len(series), 0)
+    figure, axes = _figure(len(series), 2, 1)
     for k, (one, area) in enumerate(zip(series, axes, strict=True)):
         area.set_title(one.title, loc="left", fontsize=10, color=INK)
         area.set_xlabel(one.x_title, color=INK)
-        if k % COLUMNS == 0:
+        if k % 2 == 0:
             area.set_ylabel(y_title, color=INK)
         _draw_curves(area, one.curves, names)
+    _draw_notes(axes[-1], (GROWTH_KEY,))
     return _svg(figure)
 
 

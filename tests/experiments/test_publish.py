@@ -118,7 +118,7 @@ def test_all_is_written_under_one_name(tmp_path: Path) -> None:
 def test_a_folder_that_cannot_be_made(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     for folder in (tmp_path / "file", tmp_path / "no" / "such"):
-        with pytest.raises(HsrError, match="cannot write results there: .*; choose another -o"):
+        with pytest.raises(HsrError, match=r"cannot write results there: .*; choose another -o"):
             make_folder(folder)
 
 

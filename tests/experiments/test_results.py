@@ -48,7 +48,7 @@ def test_another_schema_is_refused(tmp_path: Path, change: dict[str, object], na
 
 
 def test_files_that_are_no_results(tmp_path: Path) -> None:
-    with pytest.raises(HsrError, match="nothing.json: cannot read the results: No such file"):
+    with pytest.raises(HsrError, match=r"nothing\.json: cannot read the results: No such file"):
         load_results(tmp_path / "nothing.json")
     (tmp_path / "text.json").write_bytes(b"\xff\xfe")
     with pytest.raises(HsrError, match="no benchmark results of version 1"):
