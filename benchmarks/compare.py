@@ -29,7 +29,7 @@ def main(
     """Compare methods on scenes or meshes."""
     try:
         cases = [make_case(path.stem, hsr.load(path), (size, size)) for path in scenes]
-        results = measure(cases, method or ["zbuffer", "raycast", "opengl", "embree"], repeat)
+        results = measure(cases, method or ["scanline", "zbuffer", "raycast", "opengl"], repeat)
         if output is not None:
             publish(results, output)
     except hsr.HsrError as error:

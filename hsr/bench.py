@@ -22,6 +22,10 @@ SCENES = ("teapot", "menger", "solids")
 """The built-in scenes that are measured if none is named: a mesh, a deep one, one with curved shapes."""
 
 
+ALL = "all"
+"""In place of the name of a method: every one there is."""
+
+
 class RunByDefault(TyperGroup):
     """``hsr bench teapot.toml`` is ``hsr bench run teapot.toml``."""
 
@@ -66,9 +70,10 @@ def run(
 ) -> None:
     """Judge and time methods on scenes or meshes: speed against error.
 
-    Without scenes three built-in ones are measured. Without -a all methods take part, but those that
-    test each face at each sample sit out scenes that would keep them busy for minutes. A method that is
-    missing or fails keeps a row that says why.
+    Without scenes three built-in ones are measured; without -a the method each family is called after, and
+    every peer; '-a all' adds all variants. Those that test each face at each sample sit out scenes that would
+    keep them busy for minutes, unless they are named. A method that is missing or fails keeps a row that says
+    why.
     """
     from hsr.difference.study import PATIENCE
     from hsr.experiments.publish import table
@@ -76,7 +81,7 @@ def run(
     sizes = [parse_size(text) for text in size or (["128"] if quick else ["512"])]
     cases = _cases(scenes or _built_in(), sizes, cull or ["scene"])
     turns = repeat or (5 if quick else 15)
-    patience = PATIENCE if method is None else math.inf
+    patience = PATIENCE if method in (None, [ALL]) else math.inf
     found = _measured(cases, method, turns, output, quiet, patience=patience)
     if as_json:
         print(found.to_json(), end="")
@@ -120,12 +125,14 @@ def _measured(
     cases: list[Case], methods: list[str] | None, repeat: int, output: Path | None, quiet: bool, **how: Any
 ) -> Results:
     """Measure, and publish what was found if a folder is named."""
-    from hsr.algorithms.registry import method_named
+    from hsr.algorithms import registry
     from hsr.experiments.publish import make_folder, publish
     from hsr.experiments.speed import measure
 
+    if methods == [ALL]:
+        methods = list(registry.methods())
     for name in methods or ():
-        method_named(name)
+        registry.method_named(name)
     if output is not None:
         make_folder(output)
     with progress(quiet, len(cases) * (repeat + 1)) as step:

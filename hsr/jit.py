@@ -25,6 +25,7 @@ KERNEL_FOLDERS = ("kernels", "exact")
 """Folders of this package that hold compiled functions."""
 
 prange = numba.prange
+thread_count = numba.get_num_threads
 
 
 def jit(function: Function) -> Function:

@@ -37,7 +37,7 @@ SHAPES = (
 
 INK, GREY, PALE = "#222222", "#8a8a8a", "#eef2f5"
 
-PANEL = (380.0, 320.0)
+PANEL = (380.0, 400.0)
 """Width and height of the axes of a panel, in points."""
 
 LINE = 10.5

@@ -205,10 +205,11 @@ def depth_format(
 
     Parameters
     ----------
-    stored : {"window", "distance"}
-        ``window``: affine on the screen, 0 at near and 1 at far; ``distance``: along the view axis.
+    stored : {"window", "linear", "distance"}
+        ``window``: affine on the screen, 0 at near and 1 at far; ``linear``: with the distance, 0 at near
+        and 1 at far; ``distance``: along the view axis.
     step : float
-        Distance of neighbouring values: of 1 (window), or relative to the depth (distance).
+        Distance of neighbouring values: of 1 (window, linear), or relative to the depth (distance).
     near, far : float
         Of the view; far may be infinite, then it is noted as None.
     perspective : bool

@@ -37,8 +37,8 @@ from hsr.viewing import View
 SCENES = Path(__file__).parent.parent / "scenes"
 MESHES = (".obj", ".ply", ".stl", ".off", ".glb")
 
-EXACT_BUT_FOR_TESSELLATION = ("zbuffer", "zbuffer-tiles", "raycast")
-METHODS = (*EXACT_BUT_FOR_TESSELLATION, "zbuffer-float32", "opengl", "embree")
+EXACT_BUT_FOR_TESSELLATION = ("scanline", "zbuffer", "raycast")
+METHODS = (*EXACT_BUT_FOR_TESSELLATION, "scanline-float32", "opengl", "embree")
 NOT_OURS = "embree"
 """Its model follows what is published of it; what remains unexplained is reported."""
 

@@ -16,15 +16,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hsr.algorithms.zbuffer import scan_polygons
+from hsr.algorithms import scanline
 from hsr.arrays import Array, Floats
 from hsr.errors import MethodError
 from hsr.kernels.clipping import clip_polygons, view_volume
 from hsr.kernels.culling import facing_by_determinant, facing_by_normal, facing_in_ndc
 from hsr.kernels.projection import clip_rows, to_clip
-from hsr.kernels.scanline import CULL_BACK, CULL_BOTH, PAINT
+from hsr.kernels.scanline import ALWAYS, CULL_BACK, CULL_BOTH
 from hsr.viewing import View
 from hsr.visibility import Clock, VisibilityMap
+
+PAINT = scanline.Options(stepping="direct", count=True)
+"""How polygons are drawn."""
 
 FORMS = ("normal", "ndc", "determinant")
 
@@ -105,4 +108,4 @@ def _facing(view: View, clip: Floats, form: str) -> Floats:
 
 def _paint(view: View, clip: Floats, chosen: Array) -> tuple[Array, Floats, dict[str, int]]:
     cull = np.where(chosen, 0, CULL_BOTH).astype(np.int8)
-    return scan_polygons(view, clip, cull, PAINT, np.float64, count=True)
+    return scanline.scan_polygons(view, clip, cull, PAINT, ALWAYS)[:3]

@@ -1,8 +1,10 @@
-"""Embree as a method: the rays of a view traced through embreex's own API.
+"""Embree as a method: the float32 rays of a view traced through one of three interfaces.
 
-embreex hands Embree one float32 ray after another, on one thread. Embree counts distances in
-units of the direction as given, so that t is a depth. A ray starts at its point at near: embreex
-has no other way to begin later than at its origin.
+``embreex`` is that package's own: it hands over one ray after another, on one thread. ``single`` and
+``packets`` call the library inside it, one ray or 4 x 4 coherent ones at a time, on Numba's threads; see
+:mod:`hsr.algorithms.embree_library`. The rays are the same. Embree counts distances in units of the
+direction as given, so that t is a depth. A ray starts at its point at near: embreex has no other way to
+begin later than at its origin.
 """
 
 from __future__ import annotations
@@ -10,15 +12,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.metadata import version
-from types import ModuleType
-from typing import Any
+from typing import Any, Literal, get_args
 
 import numpy as np
 
+from hsr.algorithms import embree_library
 from hsr.arrays import Array, Floats, Ints
 from hsr.errors import MethodError, UnavailableError
+from hsr.jit import thread_count
+from hsr.kernels.packets import PACKET_SIDE, Sight
 from hsr.viewing import CULL, View, WorldPolygons
 from hsr.visibility import BACKGROUND, Clock, VisibilityMap, depth_format
+
+Interface = Literal["embreex", "single", "packets"]
 
 RAYS_AT_ONCE = 2**16
 """How many rays are handed to embreex at once: few enough to stay in the processor's cache."""
@@ -29,10 +35,23 @@ RELATIVE_STEP = 2.0**-23
 
 @dataclass(frozen=True)
 class Options:
-    """Embree has no options: its scene is always the robust one, the fairest to compare with."""
+    """How Embree is asked. Its scene is always the robust one, the fairest to compare with.
+
+    Attributes
+    ----------
+    interface : {"embreex", "single", "packets"}
+        embreex's own API, the library's ``rtcIntersect1``, or its ``rtcIntersect16``.
+    """
+
+    interface: Interface = "embreex"
+
+    def __post_init__(self) -> None:
+        known = get_args(Interface)
+        if self.interface not in known:
+            raise MethodError(f"interface {self.interface!r}: choose one of {', '.join(known)}")
 
 
-def render(view: View, options: Options) -> VisibilityMap:  # noqa: ARG001
+def render(view: View, options: Options) -> VisibilityMap:
     """Trace the ray of every sample with Embree.
 
     Near and far are closed, as the view has them. Where two faces are equally deep, the owner is
@@ -48,29 +67,27 @@ def render(view: View, options: Options) -> VisibilityMap:  # noqa: ARG001
     -------
     VisibilityMap
         ``seconds``: ``prepare`` rounds the triangles to float32, ``build`` has Embree sort them into
-        its hierarchy, ``render`` makes the rays and traces them. ``work``: ``rays``, ``triangles``.
+        its hierarchy, ``render`` makes the rays, traces them and notes what they hit. ``work``: ``rays``,
+        ``triangles``.
 
     Raises
     ------
     UnavailableError
-        If embreex is not installed.
+        If embreex is not installed, or holds another version of the library than is known.
     MethodError
         If a coordinate is beyond float32.
     """
-    rtcore_scene, mesh_construction = _embreex()
+    interface = _Embreex() if options.interface == "embreex" else _Library(options.interface == "packets")
     clock = Clock()
     with clock("prepare"):
         vertices, corner, face = handed_over(view)
-        face_of = np.append(face, np.int32(BACKGROUND))
+        face_of = np.append(face, np.int32(BACKGROUND))  # Embree numbers a miss -1: the last entry
     with clock("build"):
-        scene = rtcore_scene.EmbreeScene(robust=True)
-        mesh_construction.TriangleMesh(scene, vertices, corner)
-        _commit(scene)
+        scene = interface.build(vertices, corner)
     with clock("render"):
-        triangle, depth = _trace(scene, view)
-        face = face_of[triangle]  # Embree numbers a miss -1: the last entry
+        face, depth = interface.trace(scene, view, face_of)
     work = {"rays": view.width * view.height, "triangles": len(corner)}
-    return VisibilityMap(face, depth, "embree", work, clock.seconds, _notes(view))
+    return VisibilityMap(face, depth, "embree", work, clock.seconds, _notes(view, interface))
 
 
 def handed_over(view: View) -> tuple[Array, Ints, Ints]:
@@ -95,16 +112,6 @@ def handed_over(view: View) -> tuple[Array, Ints, Ints]:
     kept = _facing_the_right_way(view, polygons)
     corner = np.ascontiguousarray(polygons.triangle_vertex[kept])
     return _as_float32(polygons.vertices), corner, polygons.triangle_face[kept]
-
-
-def _embreex() -> tuple[ModuleType, ModuleType]:
-    try:
-        from embreex import mesh_construction, rtcore_scene
-    except ImportError as error:
-        raise UnavailableError(
-            f"embreex cannot be loaded ({error}); pip install 'hsr-lab[embree]'"
-        ) from error
-    return rtcore_scene, mesh_construction
 
 
 def _facing_the_right_way(view: View, polygons: WorldPolygons) -> Array:
@@ -132,45 +139,83 @@ def _as_float32(numbers: Floats) -> Array:
     return rounded
 
 
-def _commit(scene: Any) -> None:
-    """Have the hierarchy built now: embreex does so at the first ray it is given."""
-    ray = np.ones((1, 3), dtype=np.float32)
-    scene.run(ray, ray)
-
-
-def _trace(scene: Any, view: View) -> tuple[Ints, Floats]:
-    """Triangle (H, W) and depth (H, W) of the nearest hit of each sample's ray; -1 and +inf for a miss."""
-    triangle = np.empty((view.height, view.width), dtype=np.int32)
-    depth = np.empty((view.height, view.width))
-    for rows, origins, directions in rays(view):
-        hits = scene.run(origins, directions, dists=view.far - view.near, output=True)
-        triangle[rows] = hits["primID"].reshape(-1, view.width)
-        depth[rows] = view.near + hits["tfar"].reshape(-1, view.width).astype(np.float64)
-    depth[triangle < 0] = np.inf
-    return triangle, depth
-
-
 def rays(view: View) -> Iterator[tuple[slice, Array, Array]]:
     """Yield bands of rows with their rays: origins at near and directions, (n, 3) float32 each."""
-    sight = view.rays
-    at_near = sight.origin + view.near * sight.direction
-    x = (2.0 * np.arange(view.width) + 1.0) / view.width - 1.0
-    band = max(RAYS_AT_ONCE // view.width, 1)
+    sight, band = _sight(view), max(RAYS_AT_ONCE // view.width, 1)
     for top in range(0, view.height, band):
-        y = 1.0 - (2.0 * np.arange(top, min(top + band, view.height)) + 1.0) / view.height
-        yield slice(top, top + band), _at_samples(at_near, x, y), _at_samples(sight.direction, x, y)
+        rows = slice(top, min(top + band, view.height))
+        whole = sight.of_row.T[rows, None] + sight.of_column.T[: view.width]
+        whole = _as_float32(whole.reshape(-1, 6))
+        yield rows, np.ascontiguousarray(whole[:, :3]), np.ascontiguousarray(whole[:, 3:])
 
 
-def _at_samples(vectors: Floats, x: Floats, y: Floats) -> Array:
-    """Evaluate ``vectors @ (1, x, y)`` at every y and x: (len(y) * len(x), 3) float32."""
-    of_row = vectors[:, 0] + y[:, None] * vectors[:, 2]
-    of_column = x[:, None] * vectors[:, 1]
-    return _as_float32(of_row[:, None] + of_column).reshape(-1, 3)
+def _sight(view: View) -> Sight:
+    """Return the rays of a view, from near on; there are rows and columns for whole packets."""
+    x = (2.0 * np.arange(view.width + PACKET_SIDE) + 1.0) / view.width - 1.0
+    y = 1.0 - (2.0 * np.arange(view.height + PACKET_SIDE) + 1.0) / view.height
+    origin, direction = view.rays.origin + view.near * view.rays.direction, view.rays.direction
+    whole = np.concatenate([origin, direction])
+    of_row, of_column = whole[:, :1] + whole[:, 2:] * y, whole[:, 1:2] * x
+    return Sight(of_row, of_column, view.near, np.float32(view.far - view.near))
 
 
-def _notes(view: View) -> dict[str, Any]:
+# ---------------------------------------------------------------- interfaces
+
+
+class _Embreex:
+    """embreex's own API."""
+
+    threads = 1
+
+    def __init__(self) -> None:
+        try:
+            from embreex import mesh_construction, rtcore_scene
+        except ImportError as error:
+            raise UnavailableError(
+                f"embreex cannot be loaded ({error}); pip install 'hsr-lab[embree]'"
+            ) from error
+        self.rtcore_scene, self.mesh_construction = rtcore_scene, mesh_construction
+        self.driver = f"embreex {version('embreex')}"
+
+    def build(self, vertices: Array, corner: Ints) -> Any:
+        """Have the hierarchy built now: embreex does so at the first ray it is given."""
+        scene, ray = self.rtcore_scene.EmbreeScene(robust=True), np.ones((1, 3), dtype=np.float32)
+        self.mesh_construction.TriangleMesh(scene, vertices, corner)
+        scene.run(ray, ray)
+        return scene
+
+    def trace(self, scene: Any, view: View, face_of: Ints) -> tuple[Ints, Floats]:
+        """Return face and depth (H, W) of the nearest hit of each sample's ray."""
+        triangle = np.empty((view.height, view.width), dtype=np.int32)
+        depth = np.empty((view.height, view.width))
+        for rows, origins, directions in rays(view):
+            hits = scene.run(origins, directions, dists=view.far - view.near, output=True)
+            triangle[rows] = hits["primID"].reshape(-1, view.width)
+            depth[rows] = view.near + hits["tfar"].reshape(-1, view.width).astype(np.float64)
+        depth[triangle < 0] = np.inf
+        return face_of[triangle], depth
+
+
+class _Library:
+    """The library's own interface, for single rays or packets of them."""
+
+    def __init__(self, packets: bool) -> None:
+        self.packets, self.threads = packets, thread_count()
+        self.device = embree_library.device(self.threads)
+        self.driver = f"Embree {embree_library.version(self.device)}"
+
+    def build(self, vertices: Array, corner: Ints) -> embree_library.Scene:
+        """Have the hierarchy built."""
+        return embree_library.Scene(self.device, vertices, corner)
+
+    def trace(self, scene: embree_library.Scene, view: View, face_of: Ints) -> tuple[Ints, Floats]:
+        """Return face and depth (H, W) of the nearest hit of each sample's ray."""
+        return scene.trace(_sight(view), self.packets, face_of, (view.height, view.width))
+
+
+def _notes(view: View, interface: _Embreex | _Library) -> dict[str, Any]:
     return {
-        "driver": f"embreex {version('embreex')}",
-        "threads": 1,
+        "driver": interface.driver,
+        "threads": interface.threads,
         "depth_format": depth_format("distance", RELATIVE_STEP, view.near, view.far, view.perspective),
     }

@@ -2,12 +2,15 @@
 
 Four ways to go through the objects, one answer: the plain list of the textbook, the list with an
 extent around every object, hierarchies of extents for single rays, and coherent tiles of rays.
+
+Single rays can be studied besides: with the triangle tests of the literature in place of that on the
+screen, in float32, and with extents that take no care of rounding. Those do not all answer the same.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple, get_args
 from weakref import WeakKeyDictionary
 
@@ -15,15 +18,25 @@ import numpy as np
 
 from hsr.arrays import Array, Floats, Ints
 from hsr.errors import MethodError
-from hsr.kernels import hierarchy, rays, raytiles
+from hsr.kernels import hierarchy, rays, raytiles, triangles
 from hsr.kernels.bounds import nearness_of
 from hsr.scene.shapes import Kind, Polygons, Shape
 from hsr.viewing import Rays, View
 from hsr.visibility import Clock, VisibilityMap, depth_format
 
 Acceleration = Literal["tiles", "hierarchy", "extents", "none"]
+Test = Literal["screen", "edge-planes", "moller-trumbore", "woop"]
+Arithmetic = Literal["float64", "float32"]
+Slabs = Literal["robust", "naive"]
 
 WAYS = {"none": rays.LIST, "extents": rays.EXTENTS, "hierarchy": rays.HIERARCHY}
+
+TESTS = {
+    "screen": triangles.SCREEN,
+    "edge-planes": triangles.EDGE_PLANES,
+    "moller-trumbore": triangles.MOLLER_TRUMBORE,
+    "woop": triangles.WOOP,
+}
 
 SOLIDS = (Kind.CUBE, Kind.POLYHEDRON)
 """The shapes that are cut out by the planes of their faces."""
@@ -34,7 +47,7 @@ COUNTED = ("rays", "nodes visited", "extent tests", "face tests", "hits")
 
 @dataclass(frozen=True)
 class Options:
-    """How rays go through the objects.
+    """How rays go through the objects, and how they meet them.
 
     Attributes
     ----------
@@ -43,15 +56,41 @@ class Options:
         with extents, or the plain object list.
     count : bool
         Whether work is counted, by kernels compiled for that.
+    test : {"screen", "edge-planes", "moller-trumbore", "woop"}
+        How single rays meet the triangles of meshes: projected to the screen, or in object space by one of
+        the tests of :mod:`hsr.kernels.triangles`.
+    arithmetic : {"float64", "float32"}
+        Of the rays, planes and vertices in object space, and of the tests there.
+    slabs : {"robust", "naive"}
+        How single rays meet extents.
     """
 
     acceleration: Acceleration = "tiles"
     count: bool = False
+    test: Test = "screen"
+    arithmetic: Arithmetic = "float64"
+    slabs: Slabs = "robust"
 
     def __post_init__(self) -> None:
-        known = get_args(Acceleration)
-        if self.acceleration not in known:
-            raise MethodError(f"acceleration {self.acceleration!r}: choose one of {', '.join(known)}")
+        for name, kind in (
+            ("acceleration", Acceleration),
+            ("test", Test),
+            ("arithmetic", Arithmetic),
+            ("slabs", Slabs),
+        ):
+            value, known = getattr(self, name), get_args(kind)
+            if value not in known:
+                raise MethodError(f"{name} {value!r}: choose one of {', '.join(known)}")
+        studied = (self.test, self.arithmetic, self.slabs) != ("screen", "float64", "robust")
+        if self.acceleration == "tiles" and studied:
+            raise MethodError(
+                "tiles test triangles on the screen, in float64, through robust slabs; "
+                "for other tests, arithmetic or slabs choose acceleration 'hierarchy'"
+            )
+        if self.test == "screen" and self.arithmetic == "float32":
+            raise MethodError("the test on the screen is in float64 only; choose another test for float32")
+        if self.acceleration == "none" and self.slabs == "naive":
+            raise MethodError("the plain list has no extents for naive slabs; choose acceleration 'extents'")
 
 
 def render(view: View, options: Options) -> VisibilityMap:
@@ -60,7 +99,8 @@ def render(view: View, options: Options) -> VisibilityMap:
     Rays hit squares, cubes, polyhedra, spheres and cylinders in the shape's own frame, meshes
     triangle by triangle on the screen. A hit counts if ``near <= depth <= far`` and its side is not
     culled. A sample on an edge between triangles belongs to the right or lower of them (top-left
-    rule); the border of a generic shape belongs to the shape. Of equal depths the lower face id wins.
+    rule), with the tests in object space to both; the border of a generic shape belongs to the shape. Of
+    equal depths the lower face id wins.
 
     Parameters
     ----------
@@ -70,30 +110,32 @@ def render(view: View, options: Options) -> VisibilityMap:
     Returns
     -------
     VisibilityMap
-        The face is the same for every acceleration and every number of threads. ``seconds`` has
-        ``build`` (hierarchies; next to nothing when this process has built them before),
-        ``prepare`` and ``render``.
+        The face is the same for every acceleration (tested on the screen, with robust slabs) and every
+        number of threads. ``seconds`` has ``build`` (hierarchies; next to nothing when this process has
+        built them before), ``prepare`` and ``render``.
+
+    Raises
+    ------
+    MethodError
+        If a coordinate is beyond float32, and that is the arithmetic.
     """
     clock = Clock()
     with clock("build"):
         shapes = _shapes(view)
     with clock("prepare"):
-        camera = _camera(view)
-        objects, nodes = _objects(view, shapes), shapes.nodes
-        if options.acceleration == "hierarchy":
-            objects, nodes = _with_world(view, objects, nodes)
+        camera, data = _camera(view), _data(view, shapes, options)
         size = (view.height, view.width)
         face, depth = np.empty(size, np.int32), np.empty(size)
         shares = raytiles.SHARES if options.acceleration == "tiles" else view.height
         work = np.zeros((shares, len(COUNTED)), np.int64) if options.count else None
     with clock("render"):
-        arrays = (objects, shapes.planes, shapes.vertices, shapes.triangles, nodes)
         if options.acceleration == "tiles":
-            _cast_tiles(camera, *arrays, face, depth, work)
+            _cast_tiles(camera, *data, face, depth, work)
         else:
-            rays.cast(camera, *arrays, WAYS[options.acceleration], face, depth, work)
+            rays.cast(camera, data, _way(options), face, depth, work)
     counts = {} if work is None else dict(zip(COUNTED, work.sum(axis=0).tolist(), strict=True))
-    notes = {"depth_format": depth_format("distance", 2.0**-52, view.near, view.far)}
+    step = float(np.finfo(options.arithmetic).eps)
+    notes = {"depth_format": depth_format("distance", step, view.near, view.far)}
     return VisibilityMap(face, depth, "raycast", counts, clock.seconds, notes)
 
 
@@ -105,12 +147,14 @@ def screen_matrices(view: View) -> Floats:
     return np.asarray(_objects(view, _shapes(view))["screen"])
 
 
-def cast_by_list(view: View, samples: Array) -> Ints:
+def cast_by_list(view: View, options: Options, samples: Array) -> Ints:
     """Find the face of single samples by the plain object list.
 
     Parameters
     ----------
     view : View
+    options : Options
+        The test and its arithmetic count.
     samples : (n,) int
         Numbers ``row * W + column``.
 
@@ -119,14 +163,12 @@ def cast_by_list(view: View, samples: Array) -> Ints:
     (n,) int32
         Face ids, -1 for the background.
     """
-    shapes = _shapes(view)
-    camera, objects = _camera(view), _objects(view, shapes)
+    plain = replace(options, acceleration="none", slabs="robust")
+    camera, data, way = _camera(view), _data(view, _shapes(view), plain), _way(plain)
     face = np.empty(len(samples), np.int32)
-    data = (objects, shapes.planes, shapes.vertices, shapes.triangles)
     for k, (row, column) in enumerate(zip(*np.divmod(samples, view.width), strict=True)):
         x, y = column + 0.5 - 0.5 * view.width, row + 0.5 - 0.5 * view.height
-        best = rays.nearest_in_list(x, y, camera, *data, False, None)
-        face[k], _ = rays.answer_of(best, camera.perspective)
+        face[k], _ = rays.answer_of(rays.nearest_in_list(x, y, camera, data, way, None), camera.perspective)
     return face
 
 
@@ -261,6 +303,40 @@ def _camera(view: View) -> rays.Camera:
     near, far, perspective = view.near, view.far, view.perspective
     closest, farthest = nearness_of(near, perspective), nearness_of(far, perspective)
     return rays.Camera(perspective, near, far, closest, farthest, view.width, view.height)
+
+
+def _way(options: Options) -> rays.Way:
+    return rays.Way(WAYS[options.acceleration], TESTS[options.test], options.slabs == "robust")
+
+
+COARSER = 2.0**29
+"""How many times as coarse float32 rounds as float64."""
+
+
+def _data(view: View, shapes: _Shapes, options: Options) -> rays.Data:
+    """Return what rays are cast into, in the arithmetic and the order that the options want."""
+    objects, planes, vertices, nodes = _objects(view, shapes), shapes.planes, shapes.vertices, shapes.nodes
+    if options.arithmetic == "float32":
+        planes, vertices = as_float32(planes), as_float32(vertices)
+        objects["margin"] *= COARSER
+    if options.acceleration == "hierarchy":
+        objects, nodes = _with_world(view, objects, nodes)
+    return rays.Data(objects, planes, vertices, shapes.triangles, nodes)
+
+
+def as_float32(numbers: Floats) -> Array:
+    """Round to float32.
+
+    Raises
+    ------
+    MethodError
+        If a number is beyond float32.
+    """
+    with np.errstate(over="ignore"):
+        rounded = numbers.astype(np.float32)
+    if not np.isfinite(rounded).all():
+        raise MethodError("raycast: the scene has coordinates beyond float32 (3.4e38); choose float64")
+    return rounded
 
 
 def _objects(view: View, shapes: _Shapes) -> Array:

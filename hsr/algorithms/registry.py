@@ -77,30 +77,79 @@ class Method:
         self.render(replace(view, width=WARM_UP, height=WARM_UP))
 
 
+SCANLINE = "hsr.algorithms.scanline"
+
 BUILT_IN = (
     Method("exact", "exact arithmetic: the truth, and every tie", "hsr.algorithms.exact", {}, True),
     Method("backface", "back-face culling alone: what is left, in file order", "hsr.algorithms.backface"),
-    Method("zbuffer", "depth buffer, incremental scan conversion, float64", "hsr.algorithms.zbuffer"),
+    Method("scanline", "depth buffer, incremental scan conversion, float64", SCANLINE),
     Method(
-        "zbuffer-direct",
-        "depth buffer, plane and edges evaluated at every sample, float64",
-        "hsr.algorithms.zbuffer",
+        "scanline-direct",
+        "scan conversion, plane and edges evaluated at every sample, float64",
+        SCANLINE,
         {"stepping": "direct"},
     ),
     Method(
-        "zbuffer-float32",
-        "depth buffer, incremental scan conversion, float32",
-        "hsr.algorithms.zbuffer",
-        {"arithmetic": "float32"},
+        "scanline-float32",
+        "scan conversion, incremental, float32",
+        SCANLINE,
+        {"arithmetic": "float32", "depth_format": "d32f"},
     ),
     Method(
-        "zbuffer-float32-direct",
-        "depth buffer, plane and edges evaluated at every sample, float32",
-        "hsr.algorithms.zbuffer",
-        {"arithmetic": "float32", "stepping": "direct"},
+        "scanline-float32-direct",
+        "scan conversion, evaluated at every sample, float32",
+        SCANLINE,
+        {"arithmetic": "float32", "depth_format": "d32f", "stepping": "direct"},
     ),
     Method(
-        "zbuffer-tiles", "depth buffer, half-space tests on sixteen samples at once", "hsr.algorithms.tiles"
+        "scanline-fixed",
+        "scan conversion, incremental, 24-bit depth with 12 guard bits",
+        SCANLINE,
+        {"arithmetic": "fixed", "guard_bits": 12, "depth_format": "d24"},
+    ),
+    Method("scanline-d16", "scan conversion, depths stored in 16 bits", SCANLINE, {"depth_format": "d16"}),
+    Method("scanline-d24", "scan conversion, depths stored in 24 bits", SCANLINE, {"depth_format": "d24"}),
+    Method(
+        "scanline-d32f-reversed",
+        "scan conversion, depths stored as float32, 1 at near and 0 at far",
+        SCANLINE,
+        {"depth_format": "d32f-reversed"},
+    ),
+    Method(
+        "scanline-w16", "scan conversion, linear depths stored in 16 bits", SCANLINE, {"depth_format": "w16"}
+    ),
+    Method(
+        "scanline-snap-4",
+        "scan conversion, corners on a grid of 1/16 pixel",
+        SCANLINE,
+        {"subpixel_bits": 4},
+    ),
+    Method(
+        "scanline-snap-8",
+        "scan conversion, corners on a grid of 1/256 pixel",
+        SCANLINE,
+        {"subpixel_bits": 8},
+    ),
+    Method(
+        "scanline-bottom-left",
+        "scan conversion, bottom edges own their samples, not top edges",
+        SCANLINE,
+        {"fill_rule": "bottom-left"},
+    ),
+    Method(
+        "scanline-less-equal",
+        "scan conversion, of equal depths the last drawn is kept",
+        SCANLINE,
+        {"depth_test": "less-equal"},
+    ),
+    Method(
+        "zbuffer", "depth buffer, half-space tests with hierarchical z, certified", "hsr.algorithms.tiles"
+    ),
+    Method(
+        "zbuffer-plain",
+        "the same without certification: rounding decides",
+        "hsr.algorithms.tiles",
+        {"certified": False},
     ),
     Method("raycast", "ray casting, coherent tiles of rays", "hsr.algorithms.raycast", {}, True),
     Method(
@@ -126,8 +175,71 @@ BUILT_IN = (
         True,
         exhaustive=True,
     ),
+    Method(
+        "raycast-edge-planes",
+        "ray casting, single rays, triangles by the planes through eye and edges",
+        "hsr.algorithms.raycast",
+        {"acceleration": "hierarchy", "test": "edge-planes"},
+        True,
+    ),
+    Method(
+        "raycast-moller-trumbore",
+        "ray casting, single rays, triangles by Möller and Trumbore's test",
+        "hsr.algorithms.raycast",
+        {"acceleration": "hierarchy", "test": "moller-trumbore"},
+        True,
+    ),
+    Method(
+        "raycast-woop",
+        "ray casting, single rays, triangles by Woop's watertight test",
+        "hsr.algorithms.raycast",
+        {"acceleration": "hierarchy", "test": "woop"},
+        True,
+    ),
+    Method(
+        "raycast-float32",
+        "ray casting, single rays, edge planes in float32",
+        "hsr.algorithms.raycast",
+        {"acceleration": "hierarchy", "test": "edge-planes", "arithmetic": "float32"},
+        True,
+    ),
+    Method(
+        "raycast-moller-trumbore-float32",
+        "ray casting, single rays, Möller and Trumbore's test in float32",
+        "hsr.algorithms.raycast",
+        {"acceleration": "hierarchy", "test": "moller-trumbore", "arithmetic": "float32"},
+        True,
+    ),
+    Method(
+        "raycast-woop-float32",
+        "ray casting, single rays, Woop's watertight test in float32",
+        "hsr.algorithms.raycast",
+        {"acceleration": "hierarchy", "test": "woop", "arithmetic": "float32"},
+        True,
+    ),
+    Method(
+        "raycast-naive-slabs",
+        "ray casting, single rays, extents without care for rounding",
+        "hsr.algorithms.raycast",
+        {"acceleration": "hierarchy", "slabs": "naive"},
+        True,
+    ),
     Method("opengl", "headless OpenGL: OSMesa, else EGL", "hsr.algorithms.opengl", {}, False, "opengl"),
     Method("embree", "Embree through embreex's own API", "hsr.algorithms.embree", {}, False, "embree"),
+    Method(
+        "embree-packets",
+        "Embree's library, packets of 4 x 4 coherent rays on all threads",
+        "hsr.algorithms.embree",
+        {"interface": "packets"},
+        needs="embree",
+    ),
+    Method(
+        "embree-single",
+        "Embree's library, one ray at a time on all threads",
+        "hsr.algorithms.embree",
+        {"interface": "single"},
+        needs="embree",
+    ),
 )
 
 

@@ -1,31 +1,59 @@
-"""The depth buffer again, by another kernel: half-space tests on sixteen samples at once.
+"""The depth buffer, certified: half-space tests in float64, and what they leave in doubt decided exactly.
 
-The same contract as :mod:`hsr.algorithms.zbuffer`, up to the viewport the same steps, and the same rules
-of who owns a sample and who wins. :mod:`hsr.kernels.tiles` does the rest, several times faster than a walk
-along scan lines.
+The same contract as :mod:`hsr.algorithms.scanline`, by another kernel, several times faster. Vertices are
+projected, with bounds of their errors; clusters of triangles go through strips of the image, nearest first,
+while those behind what is already there are left out (:mod:`hsr.kernels.tiles`). Every decision that rounding
+might turn is noted instead of taken, and taken afterwards in exact arithmetic
+(:mod:`hsr.algorithms.resolve`). So the face of every sample is the true one, ties included: that of
+``view.tessellated()`` in the limit from the right and below.
+
+Nothing is clipped. A triangle with a corner at or behind the eye is set up from its exact homogeneous edges
+(Olano & Greer, "Triangle Scan Conversion Using 2D Homogeneous Coordinates", 1997), and near and far are two
+more tests at each sample.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from hsr.algorithms.loose import loose_tables
+from hsr.algorithms.resolve import resolve
 from hsr.arrays import Array, Floats, Ints
-from hsr.kernels.clipping import clip_polygons, view_volume
-from hsr.kernels.projection import clip_rows, to_clip, to_depth, to_screen
-from hsr.kernels.tiles import rasterise
-from hsr.scene.shapes import Polygons
-from hsr.viewing import View
+from hsr.kernels import doubts, halfspaces, hierarchy, tiles
+from hsr.kernels.bounds import nearness_of
+from hsr.kernels.halfspaces import BACK, CLUSTER, FRONT, LOOSE, Eye, U
+from hsr.kernels.projection import clip_rows
+from hsr.scene.shapes import Shape
+from hsr.viewing import View, WorldPolygons
 from hsr.visibility import Clock, VisibilityMap, depth_format
+
+TIE = 2.0**-36
+"""Least error of a key depth, in which all that may be seen lies 0.75 apart, that counts as certain."""
+
+ROOM = 256
+"""Doubts of a strip for which there is room at first; a strip with more is drawn again."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """Nothing to choose."""
+    """How sure the answer is.
+
+    Attributes
+    ----------
+    certified : bool
+        Whether what float64 leaves in doubt is decided exactly. Otherwise a sample within rounding of an
+        edge belongs to all triangles that seem to cover it, and of equal depths one of them wins: what
+        certification costs is the difference in time.
+    """
+
+    certified: bool = True
 
 
-def render(view: View, options: Options) -> VisibilityMap:  # noqa: ARG001
+def render(view: View, options: Options) -> VisibilityMap:
     """Render a view with a depth buffer filled by half-space tests.
 
     Parameters
@@ -37,29 +65,204 @@ def render(view: View, options: Options) -> VisibilityMap:  # noqa: ARG001
     Returns
     -------
     VisibilityMap
-        ``seconds``: ``prepare`` puts the polygons into world space, once a view; ``render`` is all the
-        rest. ``work``: ``polygons``, ``triangles`` after clipping, and ``buffer_bytes``.
+        Certified, ``face`` is exact; ``depth`` is correctly rounded where it was decided exactly, and
+        elsewhere its inverse (under perspective; in a parallel view it itself) is within 2^-35 of the
+        range of what is seen. ``seconds``: ``prepare`` puts the triangles into world space and in order,
+        and makes room for the answer; ``render`` is all the rest. ``work``: ``triangles``,
+        ``clusters_drawn`` and ``clusters_hidden``, ``triangles_drawn``, each once for every strip of the
+        image, ``uncertain`` samples, which were decided exactly, and ``buffer_bytes``, those of the answer.
     """
     clock = Clock()
     with clock("prepare"):
         view = view.tessellated()
-        polygons = view.polygons
-    depths, size = (view.near, view.far), (view.width, view.height)
+        mesh = mesh_of(view)
+        # Touch the memory now: the first touch of a page takes longer than what is computed in it.
+        screen = np.full((len(mesh.vertices), 4), 0.0)
+        face, depth = (
+            np.full((view.height, view.width), -1, np.int32),
+            np.full((view.height, view.width), np.inf),
+        )
     with clock("render"):
-        clip = to_clip(polygons.vertices, clip_rows(view.clip_from_world, view.depth_row))
-        planes = view_volume(*depths, view.perspective)
-        points, corner, start = clip_polygons(clip, polygons.corner, polygons.start, planes)
-        screen = to_screen(points, view.perspective, size, depths)
-        triangle, polygon = fans(screen, corner, start)
-        face, z, step = rasterise(screen, triangle, polygons.face[polygon], polygons.cull[polygon], size)
-        depth = to_depth(z, view.perspective, depths)
-    work = {"polygons": len(polygons), "triangles": len(triangle), "buffer_bytes": face.nbytes + z.nbytes}
-    stored = depth_format("window", step, view.near, view.far, view.perspective)
-    return VisibilityMap(face, depth, "zbuffer-tiles", work, clock.seconds, {"depth_format": stored})
+        eye = eye_of(view, mesh)
+        found, counts = draw(view, mesh, eye, screen, options.certified, (face, depth))
+        resolved = resolve(view, found["sample"], mesh.number[_number(mesh, found)], found["sure"])
+        face.ravel()[resolved.sample], depth.ravel()[resolved.sample] = resolved.face, resolved.depth
+    work = {
+        "triangles": len(mesh.corner),
+        "clusters_drawn": int(counts[tiles.DRAWN]),
+        "clusters_hidden": int(counts[tiles.HIDDEN]),
+        "triangles_drawn": int(counts[doubts.TRIANGLES]),
+        "uncertain": len(resolved.sample),
+        "buffer_bytes": face.nbytes + depth.nbytes,
+    }
+    return VisibilityMap(
+        face, depth, "zbuffer", work, clock.seconds, {"depth_format": _format(view, mesh, eye)}
+    )
 
 
-def fans(screen: Floats, corner: Ints, start: Ints) -> tuple[Ints, Array]:
-    """Fan out what clipping left of the polygons: corners (n, 3), and the polygon (n,) of each."""
-    left = np.flatnonzero(np.diff(start))
-    rest = Polygons(screen, corner, np.append(start[left], start[-1]), left.astype(np.int32))
-    return rest.triangle_vertex, rest.triangle_face
+# ---------------------------------------------------------------- once a view
+
+
+class Mesh(NamedTuple):
+    """The triangles of a view in clusters, which are neighbours on a Morton curve.
+
+    Attributes
+    ----------
+    vertices : (V, 3) float64, world space
+    corner : (n, 3) int32
+    cull : (n,) int8
+    faces : (n,) int32
+        Face of each triangle.
+    number : (n,) int32
+        Its number among the fans of the polygons.
+    low, high : (clusters, 3) float64
+        The boxes around the clusters.
+    slack : (3,) float64
+        By how much the vertices, which are rounded, may miss the true ones.
+    """
+
+    vertices: Floats
+    corner: Ints
+    cull: Array
+    faces: Ints
+    number: Ints
+    low: Floats
+    high: Floats
+    slack: Floats
+
+
+_meshes: WeakKeyDictionary[WorldPolygons, Mesh] = WeakKeyDictionary()
+
+
+def mesh_of(view: View) -> Mesh:
+    """Put the triangles of a view without curved shapes in clusters, once for all its pictures."""
+    polygons = view.polygons
+    if polygons not in _meshes:
+        _meshes[polygons] = clustered(view, np.arange(len(polygons.triangle_vertex)), polygons.triangle_face)
+    return _meshes[polygons]
+
+
+def clustered(view: View, chosen: Array, faces: Ints) -> Mesh:
+    """Put some triangles (n,) of the fans in clusters; ``faces`` (all,) is what they shall show."""
+    polygons = view.polygons
+    low, high = hierarchy.boxes_of(polygons.vertices, polygons.triangle_vertex[chosen])
+    _, order = hierarchy.radix_sort(hierarchy.morton_codes(low, high))
+    number, first = chosen[order].astype(np.int32), np.arange(0, len(order), CLUSTER)
+    return Mesh(
+        polygons.vertices,
+        polygons.triangle_vertex[number],
+        polygons.cull[polygons.triangle_polygon[number]],
+        faces[number],
+        number,
+        np.minimum.reduceat(low[order], first),
+        np.maximum.reduceat(high[order], first),
+        world_slack(view),
+    )
+
+
+def world_slack(view: View) -> Floats:
+    """Bound (3,) by how much the rounded vertices of a view's polygons miss the true ones, world space.
+
+    A coordinate is a sum of three products and a translation: fewer than eight roundings, each of at most
+    the sum of their magnitudes.
+    """
+    matrix = abs(np.array([placement.world_from_object for placement in view.placements]))
+    farthest = {id(p.shape): abs(_vertices(p.shape)).max(axis=0) for p in view.placements}
+    reach = np.array([farthest[id(placement.shape)] for placement in view.placements])
+    size = (matrix[:, :3, :3] @ reach[:, :, None])[:, :, 0] + matrix[:, :3, 3]
+    return np.asarray(8.0 * U * size.max(axis=0))
+
+
+def _vertices(shape: Shape) -> Floats:
+    assert shape.polygons is not None, "the view is tessellated"
+    return shape.polygons.vertices
+
+
+# ---------------------------------------------------------------- once a picture
+
+
+def eye_of(view: View, mesh: Mesh) -> Eye:
+    """Measure a view for the kernels.
+
+    Clip coordinates are sums of three products and an offset, by rows that were divided once, and depth is
+    taken for w: fewer than sixteen roundings, each of at most the sum of the magnitudes.
+    """
+    rows = clip_rows(view.clip_from_world, view.depth_row)
+    low, high = mesh.low.min(axis=0), mesh.high.max(axis=0)
+    size = abs(rows[:, :3]) @ np.maximum(abs(low), abs(high)) + abs(rows[:, 3])
+    error = 16.0 * U * size + abs(rows[:, :3]) @ mesh.slack
+    ends = np.stack([rows[2, :3] * low, rows[2, :3] * high])
+    least, most = rows[2, 3] + ends.min(axis=0).sum(), rows[2, 3] + ends.max(axis=0).sum()
+
+    # Spread key depths over what may be seen, but not over less than can be told apart.
+    near, far = nearness_of(view.near, view.perspective), nearness_of(view.far, view.perspective)
+    closest = min(max(least, view.near), view.far)
+    front = nearness_of(closest, view.perspective)
+    back = nearness_of(max(min(most, view.far), closest), view.perspective)
+    scale = (BACK - FRONT) / max(front - back, 2.0**-12 * max(abs(front), abs(back)), np.finfo(float).tiny)
+    size_of_image = (float(view.width), float(view.height))
+    eye = Eye(view.perspective, *size_of_image, error[0], error[1], error[2], front, scale, 0.0, 0.0, 0.0)
+    tie = max(TIE, 4.0 * halfspaces.nearness_error(front, eye) * scale)
+    near_key, far_key = halfspaces.key_depth(near, eye), halfspaces.key_depth(far, eye)
+    return eye._replace(near=near_key, far=far_key, tie=min(tie, LOOSE))
+
+
+def draw(
+    view: View, mesh: Mesh, eye: Eye, screen: Floats, certified: bool, answer: tuple[Ints, Floats]
+) -> tuple[Array, Array]:
+    """Draw a mesh into face (H, W) and depth (H, W).
+
+    Parameters
+    ----------
+    view : View
+        Without curved shapes.
+    mesh : Mesh
+    eye : Eye
+    screen : (V, 4) float64
+        Room for the projected vertices.
+    certified : bool
+    answer : (face, depth)
+
+    Returns
+    -------
+    found : (m,) DOUBT
+        None if not certified.
+    counts : (COUNTS,) int64
+    """
+    rows = clip_rows(view.clip_from_world, view.depth_row)
+    halfspaces.project(mesh.vertices, rows, eye, screen)
+    extent = np.empty((len(mesh.low), 5))
+    tiles.reach(mesh.low, mesh.high, rows, eye, extent)
+    listed, todo = tiles.deal(extent, np.argsort(extent[:, 4], kind="stable"), view.height)
+    loose = loose_tables(view, mesh.vertices, mesh.corner, mesh.number, screen, eye)
+    prepared = (screen, mesh.corner, mesh.cull, mesh.faces)
+
+    found, total, room = [np.empty(0, doubts.DOUBT)], np.zeros(tiles.COUNTS, np.int64), ROOM
+    while len(todo):
+        counts = np.zeros((len(todo), tiles.COUNTS), np.int64)
+        noted = np.empty((len(todo), room), doubts.DOUBT) if certified else None
+        tiles.rasterise(prepared, extent, listed, todo, loose, eye, noted, counts, *answer)
+        used = counts[:, doubts.USED]
+        if noted is not None:
+            found += [noted[k, : used[k]] for k in np.flatnonzero(used <= room)]
+        total += counts[used <= room].sum(axis=0)
+        # Settling a strip at most doubles its doubts.
+        todo, room = todo[used > room], 2 * int(used.max())
+    return np.concatenate(found), total
+
+
+def _number(mesh: Mesh, found: Array) -> Array:
+    """Return which triangle each doubt is about."""
+    return (found["key"] & _number_bits(mesh)).astype(np.int64)
+
+
+def _number_bits(mesh: Mesh) -> np.uint64:
+    """Return the bits of a key that are the number of a triangle."""
+    return ~np.uint64(doubts.depth_mask(len(mesh.corner)))
+
+
+def _format(view: View, mesh: Mesh, eye: Eye) -> dict[str, Any]:
+    """Describe key depths as window depths, which fill the range from near to far."""
+    step = (float(_number_bits(mesh)) + 1.0) * 2.0**-64 / eye.scale
+    whole = nearness_of(view.near, view.perspective) - nearness_of(view.far, view.perspective)
+    return depth_format("window", step / whole, view.near, view.far, view.perspective)

@@ -30,7 +30,7 @@ PIPELINES = {
     "hsr.algorithms.opengl": "hsr.difference.models.opengl",
     "hsr.algorithms.raycast": "hsr.difference.models.raycast",
     "hsr.algorithms.tiles": "hsr.difference.models.tiles",
-    "hsr.algorithms.zbuffer": "hsr.difference.models.zbuffer",
+    "hsr.algorithms.scanline": "hsr.difference.models.scanline",
 }
 """The module with the ``PIPELINE`` of each method's module. A method without one has no models."""
 

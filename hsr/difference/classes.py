@@ -313,8 +313,8 @@ def depth_step(map: VisibilityMap, depth: Floats) -> Floats:
 
     A window depth under perspective is ``z = (1/near - 1/d) / (1/near - 1/far)``; its derivative by
     d is ``1 / (d^2 (1/near - 1/far))``, so a spacing ``s`` of z is ``s d^2 (1/near - 1/far)`` of d.
-    Of a parallel view ``z = (d - near) / (far - near)``, and a spacing is ``s (far - near)``
-    everywhere. A stored distance is a float: its spacing is relative, ``s |d|``.
+    Of a parallel view, and of linear depth, ``z = (d - near) / (far - near)``, and a spacing is
+    ``s (far - near)`` everywhere. A stored distance is a float: its spacing is relative, ``s |d|``.
 
     Parameters
     ----------
@@ -334,7 +334,7 @@ def depth_step(map: VisibilityMap, depth: Floats) -> Floats:
     if form["stored"] == "distance":
         relative: Floats = step * np.abs(depth)
         return relative
-    if form["perspective"]:
+    if form["stored"] == "window" and form["perspective"]:
         return step * depth**2 * (1.0 / near - 1.0 / far)
     return np.full_like(depth, step * (far - near))
 

@@ -1,1 +1,1 @@
-"""Experiments on many methods: speed against error, and how both grow with the scene."""
+"""Experiments: what the methods cost, and where they break."""

@@ -104,7 +104,7 @@ def measure(
     ----------
     cases : sequence of Case
     names : sequence of str, optional
-        Of the methods; by default all take part.
+        Of the methods; :func:`default_methods` without.
     repeat : int
         Turns of every method, three at least. One that has used up its share of time, 15 seconds, has no
         more turns on that case once it has had three.
@@ -125,7 +125,7 @@ def measure(
         If a method does not exist.
     """
     equal_threads()
-    chosen = list(methods().values()) if names is None else [method_named(n) for n in dict.fromkeys(names)]
+    chosen = [method_named(name) for name in dict.fromkeys(names or default_methods())]
     rows: list[Row] = []
     for case in cases:
         contest = [Contestant(method, case, _reason_to_sit_out(method, case, patience)) for method in chosen]
@@ -139,6 +139,20 @@ def measure(
         machine=machine(),
         rows=tuple(rows),
     )
+
+
+def default_methods() -> list[str]:
+    """Name the methods worth a row unasked.
+
+    Returns
+    -------
+    list of str
+        The method that a family is called after, every peer from outside (it needs something of the
+        machine), and what tests every face at every sample. Left out are variants, such as ``scanline-d16``.
+    """
+    return [
+        name for name, method in methods().items() if "-" not in name or method.needs or method.exhaustive
+    ]
 
 
 def _measure_case(

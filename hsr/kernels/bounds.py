@@ -34,7 +34,7 @@ class Beam(NamedTuple):
     Attributes
     ----------
     origin, inverse, margin : 3 floats
-        Start, reciprocal of the direction (infinite where that is 0), and half its thickness.
+        Start, reciprocal of the direction (infinite, of its sign, where that is 0), and half its thickness.
     near, far : float
         The parameters between which it runs, closed.
     """
@@ -72,6 +72,28 @@ def box_entry(box: Any, beam: Beam) -> float:
         t_first, t_last = (first - start) * inverse, (last - start) * inverse
         t_in = max(t_in, t_first)
         t_out = min(t_out, t_last + abs(t_last) * TWO_ULP)
+    return t_in if t_in <= t_out else np.inf
+
+
+@jit
+def naive_entry(box: Any, beam: Beam) -> float:
+    """Return what :func:`box_entry` does, but without any care, as a thing to study.
+
+    The beam is taken as infinitely thin, and quotients as they come. A ray within the plane of a side
+    computes 0 times infinity there; comparisons with that NaN are false, so that it depends on the sign
+    of the 0 whether the ray meets the box. A ray that grazes an edge is lost to rounding about one time
+    in ten (Ize 2013).
+    """
+    t_in, t_out = beam.near, beam.far
+    for axis in range(3):
+        inverse, start = beam.inverse[axis], beam.origin[axis]
+        t_first, t_last = (box["low"][axis] - start) * inverse, (box["high"][axis] - start) * inverse
+        if t_first > t_last:
+            t_first, t_last = t_last, t_first
+        if t_first > t_in:
+            t_in = t_first
+        if t_last < t_out:
+            t_out = t_last
     return t_in if t_in <= t_out else np.inf
 
 

@@ -30,8 +30,8 @@ MISS = np.float32(np.inf)
 
 
 @jit
-def nearest_triangle(origin: Array, direction: Array, corners: Array, reach: np.float32) -> int:
-    """Return the number of the nearest triangle that a ray hits, the first of equally near ones.
+def distances(origin: Array, direction: Array, corners: Array, reach: np.float32) -> Array:
+    """Return the distance (n,) float32 at which a ray hits each triangle, ``MISS`` where it does not.
 
     Parameters
     ----------
@@ -39,13 +39,8 @@ def nearest_triangle(origin: Array, direction: Array, corners: Array, reach: np.
     corners : (n, 3, 3) float32
     reach : float32
         Largest distance that counts, in units of the direction; the least is 0. Both are closed.
-
-    Returns
-    -------
-    int
-        -1 if the ray hits none.
     """
-    best, nearest = -1, MISS
+    found = np.full(len(corners), MISS)
     d = (direction[0], direction[1], direction[2])
     for i in range(len(corners)):
         t = distance(
@@ -54,9 +49,9 @@ def nearest_triangle(origin: Array, direction: Array, corners: Array, reach: np.
             relative(corners[i, 2], origin),
             d,
         )
-        if np.float32(0.0) <= t <= reach and t < nearest:
-            best, nearest = i, t
-    return best
+        if np.float32(0.0) <= t <= reach:
+            found[i] = t
+    return found
 
 
 @jit

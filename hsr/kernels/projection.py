@@ -17,8 +17,6 @@ view volumes and the perspective transformation of depth.)
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from hsr.arrays import Array, Floats
@@ -64,13 +62,7 @@ def _to_clip(vertices: Floats, rows: Floats, clip: Floats) -> None:
             clip[i, k] = rows[k, 0] * x + rows[k, 1] * y + rows[k, 2] * z + rows[k, 3]
 
 
-def to_screen(
-    clip: Floats,
-    perspective: bool,
-    size: tuple[int, int],
-    depths: tuple[float, float],
-    real: type[np.floating[Any]] = np.float64,
-) -> Array:
+def to_screen(clip: Floats, perspective: bool, size: tuple[int, int], depths: tuple[float, float]) -> Floats:
     """Divide by w, map to the viewport, and replace depth by window depth.
 
     Parameters
@@ -81,15 +73,13 @@ def to_screen(
     size : (width, height) in pixels
     depths : (near, far)
         In scene units; far may be infinite.
-    real : float64 or float32
-        To what the results, computed in float64, are rounded.
 
     Returns
     -------
-    (V, 3) real
+    (V, 3) float64
         x right, y down, in pixels; window depth z.
     """
-    screen = np.empty(clip.shape, real)
+    screen = np.empty_like(clip)
     if perspective:
         _perspective_to_screen(clip, *size, *depths, screen)
     else:
@@ -99,7 +89,7 @@ def to_screen(
 
 @parallel_jit
 def _perspective_to_screen(
-    clip: Floats, width: int, height: int, near: float, far: float, screen: Array
+    clip: Floats, width: int, height: int, near: float, far: float, screen: Floats
 ) -> None:
     range_of_z = 1.0 - near / far
     for i in prange(len(clip)):
@@ -111,7 +101,7 @@ def _perspective_to_screen(
 
 @parallel_jit
 def _parallel_to_screen(
-    clip: Floats, width: int, height: int, near: float, far: float, screen: Array
+    clip: Floats, width: int, height: int, near: float, far: float, screen: Floats
 ) -> None:
     for i in prange(len(clip)):
         x, y, d = clip[i, 0], clip[i, 1], clip[i, 2]

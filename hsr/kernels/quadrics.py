@@ -7,7 +7,10 @@ inverse transform and not rescaled, so that t keeps its meaning.
 A convex solid meets a line in one closed interval of t. The face through which the line enters is
 seen from outside, its front; the face through which it leaves is seen from inside, its back. A line
 that only touches the solid enters and leaves at the same t. Where it enters (or leaves) through
-several faces at once, as in an edge, the lowest of them owns the point.
+several faces at once, as in an edge, the lowest of them owns the point. An origin on the surface is a hit
+at t = 0, one inside has its entry behind it, at t < 0.
+
+Lines are given in float64 or float32; the arithmetic is in that type.
 """
 
 from __future__ import annotations
@@ -92,7 +95,7 @@ def square_hit(o: Vector, d: Vector, near: float, far: float, cull: int) -> tupl
         return np.inf, NO_FACE
     t = -o[2] / d[2]
     inside = abs(o[0] + t * d[0]) <= 1.0 and abs(o[1] + t * d[1]) <= 1.0
-    return (t, 0) if inside and near <= t <= far else (np.inf, NO_FACE)
+    return (np.float64(t), 0) if inside and near <= t <= far else (np.inf, NO_FACE)
 
 
 @jit
@@ -117,11 +120,11 @@ def polyhedron_span(o: Vector, d: Vector, planes: Floats, start: int, end: int) 
             if inside < 0.0:
                 return MISS
         elif along < 0.0:
-            t = inside / along
+            t = np.float64(inside / along)
             if t > t_in:
                 t_in, face_in = t, k - start
         else:
-            t = inside / along
+            t = np.float64(inside / along)
             if t < t_out:
                 t_out, face_out = t, k - start
     return Span(t_in, face_in, t_out, face_out)
@@ -166,7 +169,8 @@ def _slab_span(z: float, dz: float) -> Span:
     """Meet ``0 <= z <= 1`` by its faces base and cap."""
     if dz == 0.0:
         return WHOLE if 0.0 <= z <= 1.0 else MISS
-    at_base, at_cap = -z / dz, (1.0 - z) / dz
+    one = type(z)(1)
+    at_base, at_cap = np.float64(-z / dz), np.float64((one - z) / dz)
     if dz > 0.0:
         return Span(at_base, BASE, at_cap, CAP)
     return Span(at_cap, CAP, at_base, BASE)
@@ -188,9 +192,10 @@ def _roots(a: float, b: float, v: float, r: float) -> Span:
     """
     if v > 1.0:
         return MISS
-    c = (r + 1.0) * (r - 1.0)
-    q = -(b + np.copysign(np.sqrt(a * (1.0 + v) * (1.0 - v)), b))
+    one = type(r)(1)
+    c = (r + one) * (r - one)
+    q = -(b + np.copysign(np.sqrt(a * (one + v) * (one - v)), b))
     if q == 0.0:
         return Span(0.0, 0, 0.0, 0)
-    t0, t1 = q / a, c / q
+    t0, t1 = np.float64(q / a), np.float64(c / q)
     return Span(min(t0, t1), 0, max(t0, t1), 0)

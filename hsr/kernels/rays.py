@@ -2,8 +2,10 @@
 
 After Hill and Kelley, "Computer Graphics Using OpenGL" (3rd edition, chapter 12), with four ways to
 go through the list: every face of every object; an extent around every object; hierarchies of
-extents; and, in ``raytiles``, tiles of coherent rays. All four share the tests of ``facets`` and those
-below and keep the best of what they test by one rule, so that they find the same face at every sample.
+extents; and, in ``raytiles``, tiles of coherent rays. All four keep the best of what they test by one rule,
+and test the triangles of meshes on the screen, by ``facets``, so that they find the same face at every
+sample. For study, single rays may instead meet triangles in space by one of the tests of ``triangles``, in
+float32 (where planes and vertices are given so), and extents without care for rounding.
 
 A sample lies ``(x, y)`` pixels right of and below the image centre. Hits are compared by *nearness*,
 1 / depth under perspective and -depth in a parallel view; of equal nearness the lower face id wins.
@@ -17,10 +19,12 @@ import numpy as np
 
 from hsr.arrays import Array, Floats, Ints
 from hsr.jit import jit, parallel_jit, prange
-from hsr.kernels.bounds import Beam, Corner, Vector, box_entry, corner_of, nearness_of
+from hsr.kernels.bounds import Beam, Corner, Vector, box_entry, corner_of, naive_entry, nearness_of
 from hsr.kernels.facets import covered_nearness, facet_of, row_of
 from hsr.kernels.hierarchy import INNER, STACK
 from hsr.kernels.quadrics import (
+    BACK,
+    FRONT,
     NO_FACE,
     cylinder_span,
     first_hit,
@@ -28,6 +32,7 @@ from hsr.kernels.quadrics import (
     sphere_span,
     square_hit,
 )
+from hsr.kernels.triangles import MISS, SCREEN, point, triangle_at
 
 SQUARE, CUBE, POLYHEDRON, SPHERE, CYLINDER, MESH, WORLD = range(7)
 """The kinds of shapes, and the world."""
@@ -92,6 +97,48 @@ TRIANGLE = np.dtype([("corner", np.int32, 3), ("face", np.int32)])
 """One triangle of a mesh: rows of its vertices, and its face, counted from the object's first."""
 
 
+class Data(NamedTuple):
+    """What rays are cast into.
+
+    Attributes
+    ----------
+    objects : (n,) OBJECT
+    planes : (P, 4) float64 or float32
+        Of all polyhedra: inside is ``n . p <= m`` for each row (n, m). Their type is that of the
+        arithmetic of all generic shapes.
+    vertices : (V, 3) float64 or float32
+        Of all meshes, object space. Their type is that of the tests of triangles in space.
+    triangles : (T,) TRIANGLE
+        Of all meshes, in the order of the leaves.
+    nodes : (N,) NODE
+        Of the hierarchies of all meshes, for ``HIERARCHY`` followed by that over the objects.
+    """
+
+    objects: Array
+    planes: Array
+    vertices: Array
+    triangles: Array
+    nodes: Array
+
+
+class Way(NamedTuple):
+    """How single rays go about it.
+
+    Attributes
+    ----------
+    acceleration : int
+        ``LIST``, ``EXTENTS`` or ``HIERARCHY``.
+    test : int
+        How triangles are tested: ``SCREEN``, or a test of ``triangles``.
+    robust : bool
+        Whether extents are met by ``box_entry``, else by ``naive_entry``.
+    """
+
+    acceleration: int
+    test: int
+    robust: bool
+
+
 # ---------------------------------------------------------------- the hits of one object
 
 
@@ -106,6 +153,13 @@ def at_sample(matrix: Floats, x: float, y: float) -> Vector:
 
 
 @jit
+def like(numbers: Array, vector: Vector) -> Vector:
+    """Round a vector to the type of an array."""
+    real = numbers.dtype.type
+    return real(vector[0]), real(vector[1]), real(vector[2])
+
+
+@jit
 def generic_hit(x: float, y: float, thing: Any, planes: Floats, camera: Camera) -> tuple[float, int]:
     """Hit a generic object, an ``OBJECT``, with the ray of sample (x, y).
 
@@ -116,7 +170,7 @@ def generic_hit(x: float, y: float, thing: Any, planes: Floats, camera: Camera) 
     face : int
         Face id, ``NO_FACE`` for a miss.
     """
-    o, d = at_sample(thing["origin"], x, y), at_sample(thing["direction"], x, y)
+    o, d = like(planes, at_sample(thing["origin"], x, y)), like(planes, at_sample(thing["direction"], x, y))
     kind, cull = thing["kind"], thing["cull"]
     if kind == SQUARE:
         t, face = square_hit(o, d, camera.near, camera.far, cull)
@@ -135,9 +189,19 @@ def generic_hit(x: float, y: float, thing: Any, planes: Floats, camera: Camera) 
 
 @jit
 def triangle_hit(
-    x: float, y: float, thing: Any, triangle: Any, vertices: Floats, camera: Camera
+    x: float, y: float, thing: Any, triangle: Any, vertices: Array, camera: Camera, test: int
 ) -> tuple[float, int]:
     """Hit one ``TRIANGLE`` of a mesh object with the ray of sample (x, y); see :func:`generic_hit`."""
+    if test == SCREEN:
+        return hit_on_screen(x, y, thing, triangle, vertices, camera)
+    return hit_in_space(x, y, thing, triangle, vertices, camera, test)
+
+
+@jit
+def hit_on_screen(
+    x: float, y: float, thing: Any, triangle: Any, vertices: Array, camera: Camera
+) -> tuple[float, int]:
+    """Project a triangle, and ask whether it covers the sample (x, y); see :func:`generic_hit`."""
     a = _projected(thing["screen"], vertices, triangle["corner"][0], camera.perspective)
     b = _projected(thing["screen"], vertices, triangle["corner"][1], camera.perspective)
     c = _projected(thing["screen"], vertices, triangle["corner"][2], camera.perspective)
@@ -149,7 +213,28 @@ def triangle_hit(
 
 
 @jit
-def _projected(screen: Floats, vertices: Floats, k: int, perspective: bool) -> Corner:
+def hit_in_space(
+    x: float, y: float, thing: Any, triangle: Any, vertices: Array, camera: Camera, test: int
+) -> tuple[float, int]:
+    """Carry the ray of sample (x, y) into the frame of a mesh, and test a triangle; see :func:`generic_hit`.
+
+    A hit counts if ``near <= t <= far`` and its side is not culled. A ray exactly on an edge hits the
+    triangles on both sides of it.
+    """
+    o = like(vertices, at_sample(thing["origin"], x, y))
+    d = like(vertices, at_sample(thing["direction"], x, y))
+    a = point(vertices[triangle["corner"][0]])
+    b = point(vertices[triangle["corner"][1]])
+    c = point(vertices[triangle["corner"][2]])
+    t, facing = triangle_at(test, o, d, a, b, c)
+    culled = (thing["cull"] == BACK and facing < 0.0) or (thing["cull"] == FRONT and facing > 0.0)
+    if t == MISS or culled or not camera.near <= t <= camera.far:
+        return -np.inf, NO_FACE
+    return nearness_of(t, camera.perspective), int(thing["first_face"] + triangle["face"])
+
+
+@jit
+def _projected(screen: Floats, vertices: Array, k: int, perspective: bool) -> Corner:
     return corner_of(screen, vertices[k, 0], vertices[k, 1], vertices[k, 2], perspective)
 
 
@@ -193,43 +278,36 @@ def counted(hit: tuple[float, int], work: Array | None) -> tuple[float, int]:
 
 
 @jit
-def nearest_in_list(
-    x: float,
-    y: float,
-    camera: Camera,
-    objects: Array,
-    planes: Floats,
-    vertices: Floats,
-    triangles: Array,
-    extents: bool,
-    work: Array | None,
-) -> Best:
+def nearest_in_list(x: float, y: float, camera: Camera, data: Data, way: Way, work: Array | None) -> Best:
     """Find the nearest hit of the ray of sample (x, y) in the object list.
 
-    Parameters
-    ----------
-    extents : bool
-        Whether an object is skipped if the ray misses its extent.
+    With ``EXTENTS`` an object is skipped if the ray misses its extent.
     """
     best = Best(camera.farthest, NO_OWNER)
-    for k in range(len(objects)):
-        thing = objects[k]
-        if extents and not meets_extent(x, y, thing, camera, work):
+    for k in range(len(data.objects)):
+        thing = data.objects[k]
+        if way.acceleration == EXTENTS and not meets_extent(x, y, thing, camera, way.robust, work):
             continue
         if thing["kind"] != MESH:
-            best = better(counted(generic_hit(x, y, thing, planes, camera), work), best)
+            best = better(counted(generic_hit(x, y, thing, data.planes, camera), work), best)
             continue
         for i in range(thing["start"], thing["end"]):
-            hit = counted(triangle_hit(x, y, thing, triangles[i], vertices, camera), work)
-            best = better(hit, best)
+            hit = triangle_hit(x, y, thing, data.triangles[i], data.vertices, camera, way.test)
+            best = better(counted(hit, work), best)
     return best
 
 
 @jit
-def meets_extent(x: float, y: float, thing: Any, camera: Camera, work: Array | None) -> bool:
+def meets_extent(x: float, y: float, thing: Any, camera: Camera, robust: bool, work: Array | None) -> bool:
     """Whether the ray of sample (x, y) meets the extent of an object."""
     tally(work, EXTENT_TESTS)
-    return box_entry(thing, beam_of(thing, x, y, camera)) < np.inf
+    return entry_of(thing, beam_of(thing, x, y, camera), robust) < np.inf
+
+
+@jit
+def entry_of(box: Any, beam: Beam, robust: bool) -> float:
+    """Return the parameter at which a beam enters a box, ``+inf`` if it misses."""
+    return box_entry(box, beam) if robust else naive_entry(box, beam)
 
 
 @jit
@@ -247,8 +325,8 @@ def beam_of(thing: Any, x: float, y: float, camera: Camera) -> Beam:
 
 @jit
 def reciprocal(number: float) -> float:
-    """Return 1 / number, infinite for 0 of either sign."""
-    return 1.0 / number if number != 0.0 else np.inf
+    """Return 1 / number, for 0 infinity of its sign."""
+    return 1.0 / number if number != 0.0 else np.copysign(np.inf, number)
 
 
 PENDING = np.dtype([("node", np.int64), ("entry", np.float64)])
@@ -256,18 +334,18 @@ PENDING = np.dtype([("node", np.int64), ("entry", np.float64)])
 
 
 @jit
-def push(pending: Array, waiting: int, nodes: Array, node: int, beam: Beam) -> int:
+def push(pending: Array, waiting: int, nodes: Array, node: int, beam: Beam, robust: bool) -> int:
     """Let a node wait if the beam meets it; return how many nodes wait now."""
-    entry = box_entry(nodes[node], beam)
+    entry = entry_of(nodes[node], beam, robust)
     pending[waiting]["node"], pending[waiting]["entry"] = node, entry
     return waiting + int(entry < np.inf)
 
 
 @jit
-def push_children(pending: Array, waiting: int, nodes: Array, first: int, beam: Beam) -> int:
+def push_children(pending: Array, waiting: int, nodes: Array, first: int, beam: Beam, robust: bool) -> int:
     """Let two sister nodes wait, the one entered earlier on top; return how many nodes wait now."""
-    one = push(pending, waiting, nodes, first, beam)
-    two = push(pending, one, nodes, first + 1, beam)
+    one = push(pending, waiting, nodes, first, beam, robust)
+    two = push(pending, one, nodes, first + 1, beam, robust)
     if two == waiting + 2 and pending[waiting]["entry"] < pending[one]["entry"]:
         earlier = pending[waiting]["entry"]
         pending[waiting]["node"], pending[one]["node"] = first + 1, first
@@ -277,16 +355,7 @@ def push_children(pending: Array, waiting: int, nodes: Array, first: int, beam: 
 
 @jit
 def nearest_in_hierarchy(
-    x: float,
-    y: float,
-    camera: Camera,
-    objects: Array,
-    planes: Floats,
-    vertices: Floats,
-    triangles: Array,
-    nodes: Array,
-    rooms: Array,
-    work: Array | None,
+    x: float, y: float, camera: Camera, data: Data, way: Way, rooms: Array, work: Array | None
 ) -> Best:
     """Find the nearest hit of the ray of sample (x, y) through the hierarchy over the objects.
 
@@ -295,10 +364,10 @@ def nearest_in_hierarchy(
     rooms : (2, STACK) PENDING
         Room for the walk over the objects and for the walk within one mesh.
     """
-    pending, world = rooms[0], objects[len(objects) - 1]
+    pending, nodes, world = rooms[0], data.nodes, data.objects[len(data.objects) - 1]
     beam = beam_of(world, x, y, camera)
     best = Best(camera.farthest, NO_OWNER)
-    waiting = push(pending, 0, nodes, world["root"], beam)
+    waiting = push(pending, 0, nodes, world["root"], beam, way.robust)
     while waiting > 0:
         waiting -= 1
         node = nodes[pending[waiting]["node"]]
@@ -306,14 +375,14 @@ def nearest_in_hierarchy(
         if nearness_of(pending[waiting]["entry"], camera.perspective) < best.nearness:
             continue
         if node["count"] == INNER:
-            waiting = push_children(pending, waiting, nodes, node["first"], beam)
+            waiting = push_children(pending, waiting, nodes, node["first"], beam, way.robust)
             continue
         for k in range(node["first"], node["first"] + node["count"]):
-            thing = objects[k]
+            thing = data.objects[k]
             if thing["kind"] == MESH:
-                best = nearest_in_mesh(x, y, camera, thing, vertices, triangles, nodes, best, rooms[1], work)
-            elif meets_extent(x, y, thing, camera, work):
-                best = better(counted(generic_hit(x, y, thing, planes, camera), work), best)
+                best = nearest_in_mesh(x, y, camera, thing, data, way, best, rooms[1], work)
+            elif meets_extent(x, y, thing, camera, way.robust, work):
+                best = better(counted(generic_hit(x, y, thing, data.planes, camera), work), best)
     return best
 
 
@@ -323,16 +392,15 @@ def nearest_in_mesh(
     y: float,
     camera: Camera,
     thing: Any,
-    vertices: Floats,
-    triangles: Array,
-    nodes: Array,
+    data: Data,
+    way: Way,
     best: Best,
     pending: Array,
     work: Array | None,
 ) -> Best:
     """Return the better of ``best`` and the nearest hit of a mesh object, through its hierarchy."""
-    beam = beam_of(thing, x, y, camera)
-    waiting = push(pending, 0, nodes, thing["root"], beam)
+    nodes, beam = data.nodes, beam_of(thing, x, y, camera)
+    waiting = push(pending, 0, nodes, thing["root"], beam, way.robust)
     while waiting > 0:
         waiting -= 1
         node = nodes[pending[waiting]["node"]]
@@ -340,11 +408,11 @@ def nearest_in_mesh(
         if nearness_of(pending[waiting]["entry"], camera.perspective) < best.nearness:
             continue
         if node["count"] == INNER:
-            waiting = push_children(pending, waiting, nodes, node["first"], beam)
+            waiting = push_children(pending, waiting, nodes, node["first"], beam, way.robust)
             continue
         for i in range(node["first"], node["first"] + node["count"]):
-            hit = counted(triangle_hit(x, y, thing, triangles[i], vertices, camera), work)
-            best = better(hit, best)
+            hit = triangle_hit(x, y, thing, data.triangles[i], data.vertices, camera, way.test)
+            best = better(counted(hit, work), best)
     return best
 
 
@@ -352,34 +420,14 @@ def nearest_in_mesh(
 
 
 @parallel_jit
-def cast(
-    camera: Camera,
-    objects: Array,
-    planes: Floats,
-    vertices: Floats,
-    triangles: Array,
-    nodes: Array,
-    way: int,
-    face: Ints,
-    depth: Floats,
-    work: Array | None,
-) -> None:
+def cast(camera: Camera, data: Data, way: Way, face: Ints, depth: Floats, work: Array | None) -> None:
     """Cast the rays of all samples, one at a time.
 
     Parameters
     ----------
     camera : Camera
-    objects : (n,) OBJECT
-    planes : (P, 4) float64
-        Of all polyhedra: inside is ``n . p <= m`` for each row (n, m).
-    vertices : (V, 3) float64
-        Of all meshes, object space.
-    triangles : (T,) TRIANGLE
-        Of all meshes, in the order of the leaves.
-    nodes : (N,) NODE
-        Of the hierarchies of all meshes, for ``HIERARCHY`` followed by that over the objects.
-    way : int
-        ``LIST``, ``EXTENTS`` or ``HIERARCHY``.
+    data : Data
+    way : Way
     face : (H, W) int32
         Receives the face id of every sample, -1 for the background.
     depth : (H, W) float64
@@ -394,13 +442,10 @@ def cast(
         for column in range(camera.width):
             x = column + 0.5 - 0.5 * camera.width
             tally(done, RAYS)
-            if way == HIERARCHY:
-                best = nearest_in_hierarchy(
-                    x, y, camera, objects, planes, vertices, triangles, nodes, rooms, done
-                )
+            if way.acceleration == HIERARCHY:
+                best = nearest_in_hierarchy(x, y, camera, data, way, rooms, done)
             else:
-                extents = way == EXTENTS
-                best = nearest_in_list(x, y, camera, objects, planes, vertices, triangles, extents, done)
+                best = nearest_in_list(x, y, camera, data, way, done)
             face[row, column], depth[row, column] = answer_of(best, camera.perspective)
 
 

@@ -16,7 +16,9 @@ polygons that share it meet at the same bits of x on every scan line, and every 
 exactly one owner. Rounding of x can move a sample within some ulp of an edge to the other side.
 
 Who wins. The depth test is ``z < buffer``, and polygons come in order of face id: of equal z the lower
-id stays. The z of two planes that meet at a sample may differ by rounding, and then that decides.
+id stays (with ``z <= buffer`` the higher). The z of two planes that meet at a sample may differ by
+rounding, and then that decides. A :class:`Form` says what the buffer holds of z if it is not z itself; the
+test compares what is held.
 
 The scan lines are shared out in strips of :data:`STRIP` rows. The edge of a polygon is walked from its
 own top (or that of the image) in every strip it crosses, so the strips leave no trace in the result, and
@@ -26,6 +28,7 @@ neither does the number of threads.
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -33,9 +36,12 @@ from hsr.arrays import Array, Ints
 from hsr.jit import jit, parallel_jit, prange
 from hsr.kernels.strips import END_LINE, FIRST_LINE, STRIP, deal_to_strips
 
-DIRECT, INCREMENTAL, PAINT = 0, 1, 2
-"""How depth and sides are stepped: evaluated at every sample; by increments; or evaluated and written
-without any depth test."""
+DIRECT, INCREMENTAL, FIXED = range(3)
+"""How depth and sides are stepped: evaluated at every sample; by increments; or by increments, depth in
+whole numbers. Those are held in floats: below ``2**53`` their sums are exact, as those of integers."""
+
+LESS, LESS_EQUAL, ALWAYS = range(3)
+"""When a fragment passes the depth test: nearer than what the buffer holds; nearer or equal; in any case."""
 
 FIRST, END, TOP, TURN, FACE, FATE = range(2, 8)
 """Columns of the polygon table, after FIRST_LINE and END_LINE: the places of its first
@@ -52,6 +58,30 @@ CULL_BACK, CULL_FRONT, CULL_BOTH = 1, 2, 3
 SCAN_LINES, SPANS, FRAGMENTS, PASSED = range(4)
 """Columns of the counts: polygons' scan lines, those of them that cross a sample, samples tested, and
 depth tests passed."""
+
+
+class Form(NamedTuple):
+    """What a depth buffer holds of a depth z, and how it is tested.
+
+    A buffer of floats holds z rounded to its type. A buffer of integers holds the level
+    ``floor(scale * z + offset)``, computed in float64 and clamped to its range, of z or of ``w = -1 / z``.
+
+    Attributes
+    ----------
+    test : int
+        LESS, LESS_EQUAL or ALWAYS.
+    levels : int
+        The greatest integer; 0 for a buffer of floats.
+    scale, offset : float
+    last : float
+        Of a buffer for w the z of the far plane, negative; what lies beyond is stored like it. Else 0.
+    """
+
+    test: int = LESS
+    levels: int = 0
+    scale: float = 1.0
+    offset: float = 0.0
+    last: float = 0.0
 
 
 # ---------------------------------------------------------------- the polygon table
@@ -165,6 +195,8 @@ def scan_convert(
     size: tuple[int, int],
     mode: int,
     count: bool,
+    held: type[Any] | None = None,
+    form: Form | None = None,
 ) -> tuple[Array, Ints, Array | None]:
     """Scan convert the polygons of a table into a fresh depth buffer.
 
@@ -174,25 +206,30 @@ def scan_convert(
         See :func:`polygon_table`. The type of ``screen`` is that of all arithmetic.
     size : (width, height)
     mode : int
-        DIRECT, INCREMENTAL or PAINT.
+        DIRECT, INCREMENTAL or FIXED.
     count : bool
         Whether to count the work, in a kernel compiled for that.
+    held : type, optional
+        Of the depth buffer; that of ``screen`` by default.
+    form : Form, optional
+        A strict test of what floats hold of z by default, in a kernel compiled for that.
 
     Returns
     -------
-    z : (H, W) of screen's type
-        Window depth. The buffer starts at ``+inf`` and not at the textbook's 1, for a point on the far
-        plane belongs to the view and must pass the strict test.
+    z : (H, W) of the type held
+        A buffer of floats starts at ``+inf`` and not at the textbook's 1, for a point on the far plane
+        belongs to the view and must pass the strict test. One of integers has nothing beyond its greatest
+        level, and starts there: what is stored as that level does not pass.
     owner : (H, W) int32
         Face of each sample, -1 where there is none.
     counts : (4,) int64 or None
         Columns SCAN_LINES to PASSED.
     """
     width, height = size
-    z, owner = np.empty((height, width), screen.dtype), np.empty((height, width), np.int32)
+    z, owner = np.empty((height, width), held or screen.dtype), np.empty((height, width), np.int32)
     polygon, strips = deal_to_strips(table, height)
     counts = np.zeros((len(strips), 4), np.int64) if count else None
-    _scan_convert(screen, corner, slope, table, polygon, strips, mode, z, owner, counts)
+    _scan_convert(screen, corner, slope, table, polygon, strips, mode, form, (z, owner), counts)
     return z, owner, None if counts is None else counts.sum(axis=0)
 
 
@@ -205,13 +242,13 @@ def _scan_convert(
     polygon: Ints,
     strips: Array,
     mode: int,
-    z: Array,
-    owner: Ints,
+    form: Form | None,
+    buffers: tuple[Array, Ints],
     counts: Array | None,
 ) -> None:
     for k in prange(len(strips)):
         listed = polygon[strips[k, 1] : strips[k, 2]]
-        _scan_strip(screen, corner, slope, table, listed, strips[k, 0], mode, z, owner, counts)
+        _scan_strip(screen, corner, slope, table, listed, strips[k, 0], mode, form, buffers, counts)
 
 
 @jit
@@ -223,8 +260,8 @@ def _scan_strip(
     listed: Ints,
     strip: int,
     mode: int,
-    z: Array,
-    owner: Ints,
+    form: Form | None,
+    buffers: tuple[Array, Ints],
     counts: Array | None,
 ) -> None:
     """Scan convert the listed polygons within one strip.
@@ -233,12 +270,14 @@ def _scan_strip(
     """
     real = screen.dtype.type
     half = real(0.5)
-    z[strip * STRIP : (strip + 1) * STRIP] = np.inf
+    z, owner = buffers
+    z[strip * STRIP : (strip + 1) * STRIP] = _farthest(form)
     owner[strip * STRIP : (strip + 1) * STRIP] = -1
     for i in listed:
         face, top, turn = table[i, FACE], table[i, TOP], table[i, TURN]
         x_top, y_top, z_top = screen[corner[top], 0], screen[corner[top], 1], screen[corner[top], 2]
         z_x, z_y = slope[i, 0], slope[i, 1]
+        z_step = _fixed(z_x, mode)
         row = max(table[i, FIRST_LINE], strip * STRIP)
         end = min(table[i, END_LINE], (strip + 1) * STRIP)
         left, right, left_end, right_end = top, top, row, row
@@ -249,9 +288,9 @@ def _scan_strip(
                     screen, corner, table[i, FIRST], table[i, END], left, turn, row
                 )
                 left_z = z_top + (left_x - x_top) * z_x + (real(left_line) + half - y_top) * z_y
-                z_m = left_m * z_x + z_y
+                z_m = _fixed(left_m * z_x + z_y, mode)
                 x_left = _stepped(left_x, left_m, row - left_line, mode)
-                z_left = _stepped(left_z, z_m, row - left_line, mode)
+                z_left = _stepped(_fixed(left_z, mode), z_m, row - left_line, mode)
             if right_end <= row:
                 right, right_line, right_end, right_x, right_m = _edge_below(
                     screen, corner, table[i, FIRST], table[i, END], right, -turn, row
@@ -263,22 +302,16 @@ def _scan_strip(
             first = max(math.ceil(x_left - half), 0)
             last = max(min(math.ceil(x_right - half), z.shape[1]), first)
             passed = 0
-            if mode == INCREMENTAL:
-                depth = z_left + (real(first) + half - x_left) * z_x
-                for column in range(np.uintp(first), np.uintp(last)):
-                    if depth < z[line, column]:
-                        z[line, column] = depth
-                        owner[line, column] = face
-                        passed += 1
-                    depth += z_x
-            else:
+            if mode == DIRECT:
                 z_row = z_top + (real(row) + half - y_top) * z_y
                 for column in range(np.uintp(first), np.uintp(last)):
                     depth = z_row + (real(column) + half - x_top) * z_x
-                    if depth < z[line, column] or mode == PAINT:
-                        z[line, column] = depth
-                        owner[line, column] = face
-                        passed += 1
+                    passed += _drawn(depth, face, z, owner, line, column, form)
+            else:
+                depth = _fixed(z_left + (real(first) + half - x_left) * z_x, mode)
+                for column in range(np.uintp(first), np.uintp(last)):
+                    passed += _drawn(depth, face, z, owner, line, column, form)
+                    depth += z_step
             if counts is not None:
                 counts[strip, SCAN_LINES] += 1
                 counts[strip, SPANS] += first < last
@@ -287,13 +320,53 @@ def _scan_strip(
 
             # Go down to the next scan line.
             row += 1
-            if mode == INCREMENTAL:
+            if mode == DIRECT:
+                x_left = _stepped(left_x, left_m, row - left_line, mode)
+                x_right = _stepped(right_x, right_m, row - right_line, mode)
+            else:
                 x_left += left_m
                 x_right += right_m
                 z_left += z_m
-            else:
-                x_left = _stepped(left_x, left_m, row - left_line, mode)
-                x_right = _stepped(right_x, right_m, row - right_line, mode)
+
+
+@jit
+def _drawn(
+    depth: float, face: int, z: Array, owner: Ints, line: np.uintp, column: int, form: Form | None
+) -> int:
+    """Put a fragment into the buffers if it passes the depth test, and return whether it does, 0 or 1."""
+    stored = _stored(depth, z, form)
+    if _passes(stored, z[line, column], form):
+        z[line, column] = stored
+        owner[line, column] = face
+        return 1
+    return 0
+
+
+@jit
+def _stored(depth: float, z: Array, form: Form | None) -> Any:
+    """Return what the buffer holds of a depth."""
+    held = z.dtype.type
+    if form is None or form.levels == 0:
+        return held(depth)
+    # Linear depth is not affine on the screen: it costs a division a fragment.
+    value = -1.0 / min(depth, form.last) if form.last < 0.0 else depth
+    return held(min(max(np.floor(form.scale * value + form.offset), 0.0), form.levels))
+
+
+@jit
+def _passes(stored: Any, kept: Any, form: Form | None) -> bool:
+    """Tell whether what a fragment would store passes the depth test against what is kept."""
+    if form is None:
+        return bool(stored < kept)
+    return bool(stored < kept or (form.test == LESS_EQUAL and stored == kept) or form.test == ALWAYS)
+
+
+@jit
+def _farthest(form: Form | None) -> float:
+    """Return what the depth buffer starts with."""
+    if form is None or form.levels == 0:
+        return np.inf
+    return float(form.levels)
 
 
 @jit
@@ -327,8 +400,14 @@ def _edge_below(
 @jit
 def _stepped(value: float, step: float, lines: int, mode: int) -> float:
     """Return what a value becomes a number of scan lines further down."""
-    if mode == INCREMENTAL:
-        for _ in range(lines):
-            value += step
-        return value
-    return value + type(value)(lines) * step
+    if mode == DIRECT:
+        return value + type(value)(lines) * step
+    for _ in range(lines):
+        value += step
+    return value
+
+
+@jit
+def _fixed(value: float, mode: int) -> float:
+    """Round a depth or its step to a whole number if depth is stepped in those."""
+    return np.rint(value) if mode == FIXED else value

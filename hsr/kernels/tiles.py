@@ -1,202 +1,307 @@
-"""Half-space rasterisation of triangles into one buffer of keys.
+"""Half-space rasterisation by strips of the image, with hierarchical depth.
 
-A sample is inside a triangle if it is on the inner side of all three edges (Pineda, "A Parallel
-Algorithm for Polygon Rasterization", SIGGRAPH 1988). Each side is the sign of an edge function, affine
-on the screen, so sixteen samples of a scan line are tested at once. Depth and owner share one 64-bit
-integer, depth in the upper bits: the nearest face has the least key, and one minimum does the depth
-test and both writes. Of equal depths the lower face stays, as with ``z < buffer`` in order of faces.
+Triangles come in clusters, neighbours on the surface, and clusters in order of their nearest point. The
+screen is cut into cells, of which the farthest depth is known; a cluster behind all cells that it crosses is
+hidden, and not looked into (Greene, Kass & Miller, "Hierarchical Z-Buffer Visibility", SIGGRAPH 1993). The
+others are drawn triangle by triangle, see :mod:`hsr.kernels.halfspaces` and :mod:`hsr.kernels.doubts`.
 
-Who owns a sample. Screen coordinates have y down. An edge function is ``>= 0`` for a left edge and for a
-top one, ``> 0`` for the others: a sample exactly on a left or top edge is inside (the top-left rule).
-Edge functions are float64 and anchored at the upper corner of their edge, whichever way it runs. So two
-triangles that share an edge compute the same numbers with opposite signs, and every sample between them
-has exactly one owner. Rounding may move a sample within some ulp of an edge to the other side.
+The strips are shared out among threads. Neither their number nor the order of clusters leaves a trace.
 """
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 
 from hsr.arrays import Array, Floats, Ints
 from hsr.jit import jit, parallel_jit, prange
-from hsr.kernels.strips import END_LINE, FIRST_LINE, STRIP, deal_to_strips
+from hsr.kernels.doubts import (
+    EMPTY,
+    TRIANGLES,
+    Window,
+    depth_mask,
+    depth_of,
+    fill,
+    gap_of,
+    is_certain,
+    limits_of,
+    note,
+    read_out,
+    settle,
+    suspect,
+)
+from hsr.kernels.halfspaces import (
+    BOTTOM,
+    CLUSTER,
+    CUT,
+    LANES,
+    LEFT,
+    LOOSE,
+    NEAREST,
+    RIGHT,
+    TABLE,
+    TOP,
+    Eye,
+    key_depth,
+    nearness_error,
+    projected,
+    samples_between,
+    set_up,
+)
 
-LANES = 16
-"""Samples tested at once; the loop over them compiles to vector instructions."""
+STRIP = 64
+"""Scan lines in a strip, the piece of work of one thread."""
 
-FIRST_COLUMN, END_COLUMN, FACE, CORNER = 2, 3, 4, 5
-"""Columns of the triangle table after FIRST_LINE and END_LINE; the three corners come last."""
+CELL = 16
+"""Side in samples of the cells whose farthest depth is known."""
 
-EMPTY = np.uint64(2**64 - 1)
-"""The key of a sample that no face owns."""
+GOLDEN = 0.6180339887498949
+"""Its multiples, modulo 1, cut [0, 1) evenly however many there are."""
 
-ABOVE_ZERO = 5e-324
-"""The least positive float64: ``e >= ABOVE_ZERO`` says ``e > 0``."""
+DRAWN, HIDDEN = 2, 3
+"""Columns of the counts of a strip, after those of its window: clusters looked into, and hidden ones."""
 
-MANTISSA = 52
-"""Bits of a float64 after the binary point; those of 1 + z, shifted to the top, order like z."""
+COUNTS = 4
 
-ONE = np.float64(1.0).view(np.uint64)
-"""Sign and exponent of 1 + z: the same for all depths."""
-
-CULL_BACK, CULL_FRONT = 1, 2
+Cells = tuple[int, int, int, int]
+"""First and end row, first and end column of some cells of a strip."""
 
 
-def rasterise(
-    screen: Floats, triangle: Ints, face: Ints, cull: Array, size: tuple[int, int]
-) -> tuple[Ints, Floats, float]:
-    """Find the nearest triangle of every sample.
+# ---------------------------------------------------------------- clusters
+
+
+@parallel_jit
+def reach(low: Floats, high: Floats, rows: Floats, eye: Eye, extent: Floats) -> None:
+    """Find the samples that clusters may cover, and how near they come.
 
     Parameters
     ----------
-    screen : (V, 3) float64
-        x right and y down in pixels, window depth z in [0, 1].
-    triangle : (n, 3) int32
-        Vertex indices, counter-clockwise to the eye if seen from the front.
-    face : (n,) int32
-        Face each triangle belongs to, ascending.
-    cull : (n,) int8
-        What not to draw: 0 nothing, 1 back faces, 2 front faces.
-    size : (width, height)
+    low, high : (n, 3) float64
+        Opposite corners of the boxes around them, world space.
+    rows : (3, 4) float64
+    eye : Eye
+        See :func:`hsr.kernels.halfspaces.project`.
+    extent : (n, 5) float64
+        Receives first and end column, first and end line, and a bound of the least key depth.
+    """
+    for i in prange(len(low)):
+        left, right, top, bottom, nearest = reach_box(low[i], high[i], rows, eye)
+        extent[i, 0], extent[i, 1], extent[i, 2], extent[i, 3], extent[i, 4] = (
+            left,
+            right,
+            top,
+            bottom,
+            nearest,
+        )
+
+
+@jit
+def reach_box(low: Floats, high: Floats, rows: Floats, eye: Eye) -> tuple[float, float, float, float, float]:
+    """Return what one box may cover; one with a corner at or behind the eye, anything."""
+    left, right, top, bottom, nearest, error = np.inf, -np.inf, np.inf, -np.inf, -np.inf, 0.0
+    for bits in range(8):
+        px = high[0] if bits & 1 else low[0]
+        py = high[1] if bits & 2 else low[1]
+        pz = high[2] if bits & 4 else low[2]
+        x, y, nearness, corner_error = projected(px, py, pz, rows, eye)
+        left, right, top, bottom = min(left, x), max(right, x), min(top, y), max(bottom, y)
+        nearest, error = max(nearest, nearness), max(error, corner_error)
+    if not error <= LOOSE:
+        return 0.0, eye.width, 0.0, eye.height, -np.inf
+    first_column, end_column = samples_between(left, right, error, eye.width)
+    first_line, end_line = samples_between(top, bottom, error, eye.height)
+    z = key_depth(nearest, eye) - nearness_error(nearest, eye) * eye.scale
+    return first_column, end_column, first_line, end_line, z
+
+
+@jit
+def deal(extent: Floats, order: Array, height: int) -> tuple[Ints, Array]:
+    """List the clusters of each strip of the image, nearest first.
+
+    Parameters
+    ----------
+    extent : (n, 5) float64
+    order : (n,) int64
+        Clusters from near to far.
+    height : int
 
     Returns
     -------
-    owner : (H, W) int32
-        Face of each sample, -1 where there is none.
-    z : (H, W) float64
-        Its window depth there, ``+inf`` where there is none.
-    step : float
-        Distance of neighbouring window depths: what the face leaves of 64 bits, 52 at most.
+    listed : (m,) int32
+        Clusters, list after list.
+    strips : (S, 3) int64
+        A strip, where its list begins and where it ends. They come scattered over the image, so that threads
+        that take equal parts have about equal work.
     """
-    width, height = size
-    # One bit pattern more than there are faces: no key of a face is EMPTY.
-    bits = max((int(face.max(initial=0)) + 1).bit_length(), 64 - MANTISSA)
-    table = np.zeros((len(triangle), CORNER + 3), np.int32)
-    table[:, FACE] = face
-    _set_up(screen, triangle, cull, width, height, table)
-    listed, strips = deal_to_strips(table, height)
-    # Lanes beyond the last column fall into the padding.
-    keys = np.empty((height, width + LANES), np.uint64)
-    owner, z = np.empty((height, width), np.int32), np.empty((height, width))
-    _rasterise(screen, table, listed, strips, bits, keys, owner, z)
-    return owner, z, 2.0 ** (bits - 64)
+    number = -(-height // STRIP)
+    place = np.zeros(number + 1, np.int64)
+    seen = (extent[:, 0] < extent[:, 1]) & (extent[:, 2] < extent[:, 3])
+    for m in order[seen[order]]:
+        for strip in range(int(extent[m, 2]) // STRIP, (int(extent[m, 3]) - 1) // STRIP + 1):
+            place[strip + 1] += 1
+    place = np.cumsum(place)
+    strips = np.empty((number, 3), np.int64)
+    strips[:, 0] = np.argsort(np.arange(number) * GOLDEN % 1.0)
+    strips[:, 1], strips[:, 2] = place[strips[:, 0]], place[strips[:, 0] + 1]
+    listed = np.empty(place[-1], np.int32)
+    for m in order[seen[order]]:
+        for strip in range(int(extent[m, 2]) // STRIP, (int(extent[m, 3]) - 1) // STRIP + 1):
+            listed[place[strip]] = m
+            place[strip] += 1
+    return listed, strips
+
+
+# ---------------------------------------------------------------- strips
 
 
 @parallel_jit
-def _set_up(screen: Floats, triangle: Ints, cull: Array, width: int, height: int, table: Ints) -> None:
-    """Write the bounding box and the corners of every triangle that is drawn, in clockwise order."""
-    for i in prange(len(table)):
-        a, b, c = triangle[i, 0], triangle[i, 1], triangle[i, 2]
-        ax, ay = screen[a, 0], screen[a, 1]
-        bx, by = screen[b, 0], screen[b, 1]
-        cx, cy = screen[c, 0], screen[c, 1]
-
-        # Drop what is seen edge-on or culled: with y down, the front has a negative area.
-        area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
-        if not abs(area) > 0.0 or cull[i] & (CULL_FRONT if area < 0.0 else CULL_BACK):
-            continue
-
-        # Drop what crosses no sample; leave no scan lines to it.
-        first_column = max(math.ceil(min(ax, bx, cx) - 0.5), 0)
-        end_column = min(math.floor(max(ax, bx, cx) - 0.5) + 1, width)
-        first_line = max(math.ceil(min(ay, by, cy) - 0.5), 0)
-        end_line = min(math.floor(max(ay, by, cy) - 0.5) + 1, height)
-        if first_column >= end_column or first_line >= end_line:
-            continue
-        table[i, FIRST_LINE], table[i, END_LINE] = first_line, end_line
-        table[i, FIRST_COLUMN], table[i, END_COLUMN] = first_column, end_column
-        table[i, CORNER] = a
-        table[i, CORNER + 1], table[i, CORNER + 2] = (b, c) if area > 0.0 else (c, b)
-
-
-@parallel_jit
-def _rasterise(
-    screen: Floats,
-    table: Ints,
+def rasterise(
+    mesh: tuple[Floats, Ints, Array, Ints],
+    extent: Floats,
     listed: Ints,
     strips: Array,
-    bits: int,
-    keys: Array,
-    owner: Ints,
-    z: Floats,
+    loose: Floats,
+    eye: Eye,
+    doubts: Array | None,
+    counts: Array,
+    face: Ints,
+    depth: Floats,
 ) -> None:
-    for k in prange(len(strips)):
-        strip, begin, end = strips[k]
-        first, last = strip * STRIP, min((strip + 1) * STRIP, len(keys))
-        keys[first:last] = EMPTY
-        for i in listed[begin:end]:
-            _fill(screen, table, i, first, last, bits, keys)
-        _read_out(keys, first, last, bits, owner, z)
+    """Draw all triangles strip by strip.
 
-
-@jit
-def _edge(screen: Floats, p: int, q: int) -> tuple[float, float, float, float, float]:
-    """Return the edge function of p -> q: its dx and dy, its anchor (x, y), its bound.
-
-    It is ``dx (y - anchor y) - dy (x - anchor x)``, positive inside a clockwise triangle (y down). A
-    left edge runs up, a top edge to the right. The anchor is the upper corner, of equally high ones the
-    left one: for q -> p every product is the same but for its sign. At both corners it is exactly 0.
+    Parameters
+    ----------
+    mesh : tuple
+        ``screen`` (V, 4) float64, ``corner`` (n, 3) int32 and ``cull`` (n,) int8, see
+        :func:`hsr.kernels.halfspaces.set_up`; ``faces`` (n,) int32, the face of each triangle.
+    extent : (clusters, 5) float64
+    listed, strips
+        See :func:`deal`.
+    loose : (t, TABLE) float64
+        Tables of the triangles that ``set_up`` leaves out, all full.
+    eye : Eye
+    doubts : (S, room) DOUBT or None
+    counts : (S, COUNTS) int64
+    face : (H, W) int32
+    depth : (H, W) float64
     """
-    dx, dy = screen[q, 0] - screen[p, 0], screen[q, 1] - screen[p, 1]
-    anchor = p if dy > 0.0 or (dy == 0.0 and dx > 0.0) else q
-    bound = 0.0 if dy < 0.0 or (dy == 0.0 and dx > 0.0) else ABOVE_ZERO
-    return dx, dy, screen[anchor, 0], screen[anchor, 1], bound
+    for k in prange(len(strips)):
+        strip = strips[k, 0]
+        room = None if doubts is None else doubts[k]
+        draw_strip(
+            mesh, extent, listed[strips[k, 1] : strips[k, 2]], loose, strip, eye, room, counts[k], face, depth
+        )
 
 
 @jit
-def _plane(screen: Floats, a: int, b: int, c: int) -> tuple[float, float]:
-    """Return dz/dx and dz/dy of the plane through three corners."""
-    ux, uy, uz = screen[b, 0] - screen[a, 0], screen[b, 1] - screen[a, 1], screen[b, 2] - screen[a, 2]
-    vx, vy, vz = screen[c, 0] - screen[a, 0], screen[c, 1] - screen[a, 1], screen[c, 2] - screen[a, 2]
-    area = ux * vy - uy * vx
-    return (uz * vy - vz * uy) / area, (vz * ux - uz * vx) / area
+def draw_strip(
+    mesh: tuple[Floats, Ints, Array, Ints],
+    extent: Floats,
+    listed: Ints,
+    loose: Floats,
+    strip: int,
+    eye: Eye,
+    doubts: Array | None,
+    counts: Array,
+    face: Ints,
+    depth: Floats,
+) -> None:
+    """Draw the listed clusters and all loose triangles into one strip, and read it out."""
+    screen, corner, cull, faces = mesh
+    first, last = strip * STRIP, min((strip + 1) * STRIP, len(face))
+    keys = np.full((last - first, face.shape[1] + LANES), EMPTY, np.uint64)
+    mask = depth_mask(len(corner))
+    window = Window(first, 0, face.shape[1], mask, gap_of(mask, eye.tie))
+    farthest = np.full((STRIP // CELL, face.shape[1] // CELL + 1), np.inf)
+    stale = np.zeros(farthest.shape, np.bool_)
+    table = np.empty(TABLE)
+
+    # Draw the clusters, nearest first, but for the hidden ones.
+    for m in listed:
+        cells = cells_of(extent[m, 2] - first, extent[m, 3] - first, extent[m, 0], extent[m, 1], len(keys))
+        if is_hidden(extent[m, 4] - eye.tie, cells, keys, farthest, stale):
+            counts[HIDDEN] += 1
+            continue
+        counts[DRAWN] += 1
+        n = set_up(screen, corner, cull, m * CLUSTER, eye, table)
+        draw_table(table, n, keys, window, eye, farthest, doubts, counts)
+        stale[cells[0] : cells[1], cells[2] : cells[3]] = True
+
+    for t in range(len(loose)):
+        draw_table(loose[t], CLUSTER, keys, window, eye, farthest, doubts, counts)
+    if doubts is not None:
+        settle(keys, window, doubts, counts)
+    read_out(keys, window, faces, eye, face, depth)
 
 
 @jit
-def _fill(screen: Floats, table: Ints, i: int, first: int, last: int, bits: int, keys: Array) -> None:
-    """Take one triangle into the keys of the scan lines from first to last."""
-    top, left, end_column = table[i, FIRST_LINE], table[i, FIRST_COLUMN], table[i, END_COLUMN]
-    a, b, c = table[i, CORNER], table[i, CORNER + 1], table[i, CORNER + 2]
-    dx0, dy0, x0, y0, bound0 = _edge(screen, a, b)
-    dx1, dy1, x1, y1, bound1 = _edge(screen, b, c)
-    dx2, dy2, x2, y2, bound2 = _edge(screen, c, a)
-    # Anchor the depth at the first sample of the bounding box, whatever the strip.
-    first_x, first_y = left + 0.5, top + 0.5
-    z_x, z_y = _plane(screen, a, b, c)
-    # One more than z: all depths then have the same exponent.
-    z = 1.0 + (screen[a, 2] + (first_x - screen[a, 0]) * z_x + (first_y - screen[a, 1]) * z_y)
-
-    face = np.uint64(table[i, FACE])
-    keep = EMPTY << np.uint64(bits)
-    farthest = 2.0 - 2.0**-MANTISSA
-    for row in range(max(top, first), min(table[i, END_LINE], last)):
-        y, row_z = row + 0.5, z + float(row - top) * z_y
-        row0, row1, row2 = dx0 * (y - y0), dx1 * (y - y1), dx2 * (y - y2)
-        line = keys[row]
-        for start in range(left, end_column, LANES):
-            for lane in range(LANES):
-                right = float(start - left + lane)
-                x = first_x + right
-                inside = (
-                    (row0 - dy0 * (x - x0) >= bound0)
-                    & (row1 - dy1 * (x - x1) >= bound1)
-                    & (row2 - dy2 * (x - x2) >= bound2)
-                )
-                depth = np.float64(min(max(row_z + right * z_x, 1.0), farthest))
-                key = ((depth.view(np.uint64) << np.uint64(64 - MANTISSA)) & keep) | face
-                at = np.uintp(start + lane)
-                line[at] = min(line[at], key if inside else EMPTY)
+def draw_table(
+    table: Floats,
+    n: int,
+    keys: Array,
+    window: Window,
+    eye: Eye,
+    farthest: Floats,
+    doubts: Array | None,
+    counts: Array,
+) -> None:
+    """Draw the first n triangles of a table, but for those behind all that their cells were known to show."""
+    lines, certify = len(keys), None if doubts is None else True
+    for i in range(n):
+        top = max(table[TOP + i] - window.line, 0.0)
+        bottom = min(table[BOTTOM + i] - window.line, float(lines))
+        if top >= bottom:
+            continue
+        cells = cells_of(top, bottom, table[LEFT + i], table[RIGHT + i], lines)
+        if is_behind(table[NEAREST + i] - eye.tie, cells, farthest):
+            continue
+        counts[TRIANGLES] += 1
+        if doubts is not None and not is_certain(table, i, eye):
+            suspect(table, i, keys, window, doubts, counts)
+        elif table[CUT + i] != 0.0:
+            doubtful = fill(table, i, keys, window, limits_of(table, i, eye), certify)
+            if doubts is not None and doubtful:
+                note(table, i, keys, window, limits_of(table, i, eye), doubts, counts)
+        else:
+            doubtful = fill(table, i, keys, window, None, certify)
+            if doubts is not None and doubtful:
+                note(table, i, keys, window, None, doubts, counts)
 
 
 @jit
-def _read_out(keys: Array, first: int, last: int, bits: int, owner: Ints, z: Floats) -> None:
-    """Split the keys of the scan lines from first to last into faces and depths."""
-    keep = EMPTY << np.uint64(bits)
-    for row in range(first, last):
-        for column in range(owner.shape[1]):
-            key = keys[row, column]
-            above_one = np.uint64(((key & keep) >> np.uint64(64 - MANTISSA)) | ONE)
-            owner[row, column] = np.int32(key & ~keep) if key != EMPTY else np.int32(-1)
-            z[row, column] = above_one.view(np.float64) - 1.0 if key != EMPTY else np.inf
+def cells_of(top: float, bottom: float, left: float, right: float, lines: int) -> Cells:
+    """Return the cells of some samples of a strip."""
+    first_row, end_row = max(int(top), 0) // CELL, (min(int(bottom), lines) - 1) // CELL + 1
+    return first_row, end_row, int(left) // CELL, (int(right) - 1) // CELL + 1
+
+
+@jit
+def is_hidden(z: float, cells: Cells, keys: Array, farthest: Floats, stale: Array) -> bool:
+    """Whether a key depth lies behind all that some cells show; looks again at those drawn to since."""
+    for row in range(cells[0], cells[1]):
+        for column in range(cells[2], cells[3]):
+            if stale[row, column]:
+                stale[row, column] = False
+                farthest[row, column] = farthest_in(keys, row * CELL, column * CELL)
+            if not z > farthest[row, column]:
+                return False
+    return True
+
+
+@jit
+def is_behind(z: float, cells: Cells, farthest: Floats) -> bool:
+    """Whether a key depth lies behind all that some cells were known to show."""
+    for row in range(cells[0], cells[1]):
+        for column in range(cells[2], cells[3]):
+            if not z > farthest[row, column]:
+                return False
+    return True
+
+
+@jit
+def farthest_in(keys: Array, row: int, column: int) -> float:
+    """Return the greatest key depth in a cell, ``inf`` if some sample is empty."""
+    greatest = np.uint64(0)
+    for line in range(row, min(row + CELL, len(keys))):
+        for lane in range(CELL):
+            greatest = max(greatest, keys[line, np.uintp(column + lane)])
+    return depth_of(greatest) if greatest != EMPTY else np.inf

@@ -1,14 +1,18 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from importlib.metadata import PackagePath, PathDistribution
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import hsr
-from hsr.algorithms import embree
+from hsr.algorithms import embree, embree_library
 from hsr.errors import MethodError, UnavailableError
+from hsr.kernels import packets
 from tests.opengl.brute_force import assert_agrees
 
 
@@ -23,6 +27,15 @@ def _installed() -> None:
     pytest.importorskip("embreex", reason="embreex is not installed")
 
 
+METHODS = ("embree", "embree-packets", "embree-single")
+LIBRARY = METHODS[1:]
+
+
+def test_an_unknown_interface_is_refused() -> None:
+    with pytest.raises(MethodError, match="'sideways': choose one of embreex, single, packets"):
+        embree.Options("sideways")  # type: ignore[arg-type]
+
+
 CAMERAS: dict[str, dict[str, Any]] = {
     "to infinity": {"near": 0.5},
     "near and far cut": {"near": 4.6, "far": 6.0},
@@ -31,19 +44,26 @@ CAMERAS: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.usefixtures("_installed")
-@pytest.mark.parametrize("cull", ["none", "back", "front"])
-@pytest.mark.parametrize("camera", CAMERAS)
-def test_agrees_with_brute_force_where_no_edge_is_near(make_scene: Any, camera: str, cull: str) -> None:
+def scene_with(make_scene: Any, camera: str, cull: str) -> hsr.Scene:
     turned = [{"rotate_x": 20.0}, {"rotate_y": 35.0}]
     objects = [
         {"name": "cube", "shape": "cube", "cull": cull, "transform": turned},
         {"name": "wall", "shape": "square", "transform": [{"scale": 1.7}, {"rotate_y": -50.0}]},
         {"name": "can", "shape": "cylinder", "cull": cull, "transform": [{"scale": [-0.5, 0.5, 2.0]}]},
     ]
-    scene = make_scene(objects, **CAMERAS[camera]).model_copy(update={"segments": 12})
-    view = hsr.view(scene, (40, 30))
-    answer = hsr.render(view, "embree")
+    made: hsr.Scene = make_scene(objects, **CAMERAS[camera]).model_copy(update={"segments": 12})
+    return made
+
+
+@pytest.mark.usefixtures("_installed")
+@pytest.mark.parametrize("cull", ["none", "back", "front"])
+@pytest.mark.parametrize("camera", CAMERAS)
+@pytest.mark.parametrize("method", METHODS)
+def test_agrees_with_brute_force_where_no_edge_is_near(
+    make_scene: Any, method: str, camera: str, cull: str
+) -> None:
+    view = hsr.view(scene_with(make_scene, camera, cull), (40, 30))
+    answer = hsr.render(view, method)
     # A few roundings of float32 against distances of the size of the scene.
     assert_agrees(answer.face, answer.depth, view, relative=1e-5)
 
@@ -59,6 +79,82 @@ def test_an_image_in_bands_is_the_image(make_scene: Any, monkeypatch: pytest.Mon
 
 
 @pytest.mark.usefixtures("_installed")
+@pytest.mark.parametrize("camera", CAMERAS)
+@pytest.mark.parametrize("method", LIBRARY)
+@pytest.mark.parametrize("size", [(1, 1), (3, 130), (41, 30)])
+def test_the_library_traces_the_rays_that_embreex_does(
+    make_scene: Any, method: str, camera: str, size: tuple[int, int]
+) -> None:
+    """Sizes that are no multiples of a packet's, and more rows of packets than shares."""
+    view = hsr.view(scene_with(make_scene, camera, "none"), size)
+    answer, expected = hsr.render(view, method), hsr.render(view, "embree")
+    np.testing.assert_array_equal(answer.depth, expected.depth)
+    # Of equally near triangles the last counts, and packets come to them in another order.
+    if method == "embree-single":
+        np.testing.assert_array_equal(answer.face, expected.face)
+
+
+@pytest.mark.usefixtures("_installed")
+def test_the_rays_of_a_packet_are_those_handed_to_embreex(make_scene: Any) -> None:
+    """To the last bit of every origin and direction, in perspective and in parallel views."""
+    for camera in CAMERAS:
+        view = hsr.view(scene_with(make_scene, camera, "none"), (9, 7))
+        _, origins, directions = next(embree.rays(view))
+        packet = packets.aligned(1, packets.packet_of(16))[0]
+        packets._fill(packet, embree._sight(view), 4, 2, 3)
+        for name, expected in (("origin", origins), ("direction", directions)):
+            square = expected.reshape(7, 9, 3)[2:6, 3:7].reshape(16, 3)
+            np.testing.assert_array_equal(packet[name], square.T, err_msg=name)
+
+
+@pytest.mark.usefixtures("_installed")
+@pytest.mark.parametrize("method", LIBRARY)
+def test_the_library_says_its_version_and_threads(make_scene: Any, method: str) -> None:
+    answer = hsr.render(make_scene([{"name": "cube", "shape": "cube"}]), method, size=(8, 6))
+    assert answer.method == method
+    assert answer.notes["driver"].startswith("Embree 4.4.")
+    assert answer.notes["threads"] >= 1
+    assert answer.work == {"rays": 48, "triangles": 12}
+    assert set(answer.seconds) == {"prepare", "build", "render"}
+
+
+@pytest.fixture
+def _fresh_library() -> Iterator[None]:
+    for kept in (embree_library.library, embree_library.device):
+        kept.cache_clear()
+    yield
+    for kept in (embree_library.library, embree_library.device):
+        kept.cache_clear()
+
+
+@pytest.mark.usefixtures("_fresh_library")
+@pytest.mark.parametrize("found", [None, [], [PackagePath("numpy/nothing-embree4.so")]])
+def test_without_its_library_it_says_what_to_install(
+    make_scene: Any, monkeypatch: pytest.MonkeyPatch, found: list[PackagePath] | None
+) -> None:
+    for file in found or ():
+        file.dist = PathDistribution(Path("nowhere"))
+    monkeypatch.setattr(embree_library, "files", lambda _name: found)
+    with pytest.raises(UnavailableError, match=r"no library of Embree 4 .* pip install 'hsr-lab\[embree\]'"):
+        hsr.render(make_scene([{"name": "cube", "shape": "cube"}]), "embree-packets", size=(4, 4))
+
+
+@pytest.mark.usefixtures("_installed", "_fresh_library")
+def test_another_version_of_the_library_is_refused(make_scene: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(embree_library, "VERSION", "4.5")
+    with pytest.raises(UnavailableError, match=r"holds Embree 4\.4\.0, but only 4\.5 is known"):
+        hsr.render(make_scene([{"name": "cube", "shape": "cube"}]), "embree-single", size=(4, 4))
+
+
+@pytest.mark.usefixtures("_installed")
+def test_what_the_library_cannot_do_is_an_error() -> None:
+    device = embree_library.device(1)
+    embree_library.library().rtcNewGeometry(device, 1234)
+    with pytest.raises(MethodError, match="Embree fails"):
+        embree_library._check(device)
+
+
+@pytest.mark.usefixtures("_installed")
 def test_says_what_was_traced_and_how_long_it_took(make_scene: Any) -> None:
     answer = hsr.render(make_scene([{"name": "can", "shape": "cylinder"}]), "embree", size=(8, 6))
     assert answer.method == "embree"
@@ -70,9 +166,10 @@ def test_says_what_was_traced_and_how_long_it_took(make_scene: Any) -> None:
 
 
 @pytest.mark.usefixtures("_installed")
-def test_a_scene_of_which_nothing_is_left_is_background(make_scene: Any) -> None:
+@pytest.mark.parametrize("method", METHODS)
+def test_a_scene_of_which_nothing_is_left_is_background(make_scene: Any, method: str) -> None:
     away = {"name": "wall", "shape": "square", "cull": "back", "transform": [{"rotate_y": 180.0}]}
-    answer = hsr.render(make_scene([away]), "embree", size=(8, 8))
+    answer = hsr.render(make_scene([away]), method, size=(8, 8))
     assert (answer.face == -1).all() and np.isposinf(answer.depth).all()
     assert answer.work["triangles"] == 0
 

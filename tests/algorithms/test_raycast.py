@@ -12,6 +12,7 @@ import pytest
 import hsr
 from hsr.algorithms import raycast
 from hsr.algorithms.raycast import Acceleration, Options
+from hsr.algorithms.registry import BUILT_IN
 from hsr.errors import MethodError
 from hsr.scene.model import Scene
 from hsr.scene.shapes import Kind
@@ -95,7 +96,7 @@ def test_all_ways_agree_on_the_built_in_scenes(scenes):
 def test_it_agrees_with_the_depth_buffer_on_planar_scenes(make_scene):
     for seed in range(3):
         view = hsr.view(make_scene([mesh(seed, 300), CUBE | {"transform": [{"rotate_y": 25.0}]}]), (150, 110))
-        answer, peer = cast(view), hsr.render(view, "zbuffer-direct")
+        answer, peer = cast(view), hsr.render(view, "scanline-direct")
         assert (answer.face == peer.face).all()
         shown = answer.face >= 0
         assert answer.depth[shown] == pytest.approx(peer.depth[shown], rel=1e-12)
@@ -306,9 +307,120 @@ def test_a_hierarchy_is_built_once_a_shape(make_scene):
     assert raycast._built[shape] is built
 
 
-def test_an_unknown_acceleration_is_refused():
-    with pytest.raises(MethodError, match="choose one of tiles, hierarchy, extents, none"):
-        Options("octree")
+# ---------------------------------------------------------------- variants to study
+
+
+STUDIED = [
+    m for m in BUILT_IN if m.module == raycast.__name__ and m.settings.get("acceleration") == "hierarchy"
+]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"acceleration": "octree"}, "choose one of tiles, hierarchy, extents, none"),
+        ({"test": "plucker"}, "choose one of screen, edge-planes, moller-trumbore, woop"),
+        ({"arithmetic": "float16"}, "choose one of float64, float32"),
+        ({"slabs": "padded"}, "choose one of robust, naive"),
+        ({"test": "woop"}, "choose acceleration 'hierarchy'"),
+        ({"slabs": "naive"}, "choose acceleration 'hierarchy'"),
+        ({"acceleration": "none", "arithmetic": "float32"}, "choose another test for float32"),
+        ({"acceleration": "none", "slabs": "naive"}, "choose acceleration 'extents'"),
+    ],
+)
+def test_unknown_options_and_those_that_do_not_combine_are_refused(options, message):
+    with pytest.raises(MethodError, match=message):
+        Options(**options)
+
+
+@pytest.mark.parametrize("method", STUDIED, ids=lambda method: method.name)
+@pytest.mark.parametrize("eye", EYES)
+@pytest.mark.parametrize("cull", ["none", "back", "front"])
+def test_the_variants_agree_where_rounding_decides_nothing(make_scene, method, eye, cull):
+    """Near and far, both kinds of projection, mirrored objects, culling: the rules are the same for all."""
+    mirrored = [{"scale": [-0.5, 0.5, 0.5]}, {"rotate_y": 20.0}]
+    objects = [
+        mesh(6, 12, 1.0) | {"cull": cull, "transform": mirrored},
+        CUBE | {"cull": cull, "transform": [{"scale": 0.4}, {"rotate_x": 30.0}, {"rotate_z": 20.0}]},
+        SPHERE | {"cull": cull, "transform": [{"scale": [0.5, 1.0, 0.5]}, {"translate": [-1.0, 0.0, -0.5]}]},
+        CYLINDER | {"cull": cull, "transform": [{"scale": 0.5}, {"translate": [0.7, 0.9, 0.1]}]},
+        SQUARE | {"cull": cull, "transform": [{"scale": 3.0}, {"rotate_x": -80.0}]},
+    ]
+    view = hsr.view(make_scene(objects, **EYES[eye]), (13, 11))
+    answer, expected = method.render(view), cast(view, "none")
+    assert (answer.face == expected.face).all()
+    shown = answer.face >= 0
+    assert shown.any()
+    precise = "float32" not in method.name
+    assert answer.depth[shown] == pytest.approx(expected.depth[shown], rel=1e-13 if precise else 1e-5)
+
+
+@pytest.mark.jit
+@pytest.mark.parametrize("method", STUDIED, ids=lambda method: method.name)
+def test_the_hierarchy_leaves_out_nothing_that_the_list_finds(make_scene, method):
+    """But by naive slabs, or where rounding moves a hit beside its triangle: neither is so here."""
+    view = hsr.view(make_scene([mesh(8, 80, 1.0), CUBE], **EYES["amid"]), (40, 30))
+    plain = method.settings | {"acceleration": "none", "slabs": "robust"}
+    answer, expected = method.render(view), raycast.render(view, Options(**plain))
+    assert (answer.face == expected.face).all()
+    assert (answer.depth == expected.depth).all()
+
+
+@pytest.mark.parametrize("test", ["edge-planes", "moller-trumbore", "woop"])
+def test_in_space_a_sample_on_an_edge_belongs_to_both_triangles(make_scene, test):
+    """The lower face wins, so that the right and lower borders are closed, too."""
+    points = [[-1.5, 1.5, 0], [0.5, 1.5, 0], [1.5, 1.5, 0], [-1.5, -1.5, 0], [0.5, -1.5, 0], [1.5, -1.5, 0]]
+    faces = [[0, 3, 4], [0, 4, 1], [1, 4, 5], [1, 5, 2]]
+    thing = {"name": "pair", "shape": "mesh", "vertices": points, "faces": faces}
+    view = lattice(make_scene, [thing], 4)
+    answer = raycast.render(view, Options("none", test=test))
+    assert (answer.face // 2).tolist() == [[0, 0, 0, 1]] * 4
+    assert (answer.depth == 8.0).all()
+
+
+WALL = {
+    "name": "wall",
+    "shape": "mesh",
+    "vertices": [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 9.0, 0.0]],
+    "faces": [[0, 1, 2]],
+}
+
+
+@pytest.mark.parametrize("test", ["screen", "edge-planes", "moller-trumbore", "woop"])
+@pytest.mark.parametrize(
+    ("near", "far", "shown"),
+    [(8.0, 9.0, True), (7.0, 8.0, True), (8.0 + 2.0**-40, 9.0, False), (7.0, 7.5, False)],
+)
+def test_near_and_far_are_closed_whatever_the_test(make_scene, test, near, far, shown):
+    view = hsr.view(make_scene([WALL], eye=[0.0, 0.0, 8.0], near=near, far=far), (1, 1))
+    assert (raycast.render(view, Options("none", test=test)).face[0, 0] == 0) == shown
+
+
+@pytest.mark.parametrize("thing", [WALL, CUBE, SPHERE], ids=lambda thing: thing["shape"])
+def test_in_float32_every_depth_is_a_float32_number(make_scene, thing):
+    tilted = [{"scale": 0.37}, {"rotate_x": 33.0}, {"rotate_y": 21.0}]
+    view = hsr.view(make_scene([thing | {"transform": tilted}], **EYES["orthographic"]), (9, 9))
+    answer = raycast.render(view, Options("none", test="woop", arithmetic="float32"))
+    assert (answer.face >= 0).any()
+    assert (answer.depth == answer.depth.astype(np.float32)).all()
+    assert answer.notes["depth_format"]["step"] == 2.0**-23
+
+
+def test_coordinates_beyond_float32_are_one_clear_line(make_scene):
+    far_away = [[1e39, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    thing = {"name": "huge", "shape": "mesh", "vertices": far_away, "faces": [[0, 1, 2]]}
+    view = hsr.view(make_scene([thing]), (2, 2))
+    with pytest.raises(MethodError, match="beyond float32"):
+        raycast.render(view, Options("none", test="woop", arithmetic="float32"))
+
+
+@pytest.mark.parametrize("test", ["edge-planes", "moller-trumbore", "woop"])
+def test_the_work_of_a_ray_is_that_of_its_hierarchy_whatever_the_test(make_scene, test):
+    view = hsr.view(make_scene([mesh(1, 40), CUBE]), (12, 10))
+    of_screen = raycast.render(view, Options("hierarchy", True)).work
+    of_space = raycast.render(view, Options("hierarchy", True, test)).work
+    assert of_space["rays"] == 120
+    assert of_space == of_screen
 
 
 def test_far_is_a_plane_and_infinity_is_the_background(make_scene):

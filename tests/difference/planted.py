@@ -147,11 +147,11 @@ def soup(seed: int = 0, size: int = 48) -> View:
     return view(Scene.model_validate({"camera": [camera], "object": things}), (size, size))
 
 
-def close_pair() -> View:
+def close_pair(gap: float = 0.1) -> View:
     """Two squares at a distance at which 16 bits cannot tell them apart, the nearer one last."""
     squares = [
         {"name": name, "shape": "square", "transform": [{"scale": size}, {"translate": [0.0, 0.0, z]}]}
-        for name, size, z in (("back", 40.0, -100.0), ("front", 30.0, -99.9))
+        for name, size, z in (("back", 40.0, -100.0), ("front", 30.0, -100.0 + gap))
     ]
     camera = {"type": "perspective", "eye": [0.013, 0.007, 1.0], "near": 0.1}
     return view(Scene.model_validate({"camera": [camera | {"far": 1000.0}], "object": squares}), (24, 24))

@@ -31,11 +31,11 @@ SHOWN_BY = {
 """A view in which each mistake shows."""
 
 HONEST = (
+    "scanline",
+    "scanline-direct",
+    "scanline-float32",
+    "scanline-float32-direct",
     "zbuffer",
-    "zbuffer-direct",
-    "zbuffer-float32",
-    "zbuffer-float32-direct",
-    "zbuffer-tiles",
     "raycast",
     "raycast-single",
     "raycast-list",
@@ -49,7 +49,7 @@ def problem(name: str) -> tuple[View, VisibilityMap]:
 
 
 @pytest.mark.parametrize("mistake", MISTAKES)
-@pytest.mark.parametrize("method", ["zbuffer", "zbuffer-tiles", "raycast"])
+@pytest.mark.parametrize("method", ["scanline", "zbuffer", "raycast"])
 def test_every_wrong_sample_of_a_mistake_is_unexplained(mistake: str, method: str) -> None:
     seen, truth = problem(SHOWN_BY[mistake])
     found = causes(seen, MISTAKES[mistake].render(seen, method), truth)
@@ -68,7 +68,7 @@ def test_what_opengl_rounds_does_not_excuse_a_mistake(mistake: str) -> None:
 @pytest.mark.parametrize("name", VIEWS)
 def test_the_renderer_without_a_mistake_is_right(name: str) -> None:
     seen, truth = problem(name)
-    assert causes(seen, Renderer().render(seen, "zbuffer"), truth).wrong == 0
+    assert causes(seen, Renderer().render(seen, "scanline"), truth).wrong == 0
 
 
 @pytest.mark.parametrize("name", VIEWS)

@@ -13,6 +13,7 @@ from hsr.kernels.bounds import (
     Beam,
     box_entry,
     corner_of,
+    naive_entry,
     nearness_of,
     reach_box,
     reach_triangle,
@@ -69,6 +70,51 @@ def test_no_ray_that_exactly_grazes_a_corner_is_lost():
         d = random.integers(-(2**10), 2**10, 3).astype(float)
         k = float(random.integers(1, 2**10))
         assert enter(box(-high, high), corner - k * d, d, far=2.0**30) < math.inf
+
+
+def grazing(entry):
+    """Return the share of rays that exactly graze a corner of a box and are lost."""
+    random = np.random.default_rng(2)
+    lost = 0
+    for _ in range(4000):
+        high = random.integers(1, 2**20, 3).astype(float)
+        corner = random.choice([-1, 1], 3) * high
+        d = random.integers(1, 2**10, 3).astype(float) * random.choice([-1, 1], 3)
+        o = corner - float(random.integers(1, 2**10)) * d
+        beam = Beam(tuple(o.tolist()), tuple((1.0 / d).tolist()), (0.0,) * 3, 0.0, 2.0**30)
+        lost += entry(box(-high, high), beam) == math.inf
+    return lost / 4000
+
+
+def test_without_padding_rays_that_graze_a_box_are_lost():
+    assert grazing(box_entry) == 0.0
+    assert 0.05 < grazing(naive_entry) < 0.15
+
+
+@pytest.mark.jit
+def test_without_care_the_sign_of_zero_decides_whether_a_ray_within_a_face_meets_the_box():
+    def naive(x, zero):
+        inverse = tuple(reciprocal(c) for c in (zero, 0.0, -1.0))
+        return naive_entry(CUBE, Beam((x, 0.0, 4.0), inverse, (0.0,) * 3, 0.0, math.inf))
+
+    assert naive(-1.0, 0.0) == naive(1.0, 0.0) == 3.0
+    assert naive(-1.0, -0.0) == math.inf
+    assert enter(CUBE, (-1, 0, 4), (-0.0, 0, -1)) == 3.0
+
+
+def test_naive_slabs_are_right_where_rounding_decides_nothing():
+    random = np.random.default_rng(6)
+    for _ in range(500):
+        o, d = random.normal(size=(2, 3)) * 2.0
+        inverse = tuple((1.0 / d).tolist())
+        beam = Beam(tuple(o.tolist()), inverse, (0.0,) * 3, 0.0, math.inf)
+        assert naive_entry(CUBE, beam) == box_entry(CUBE, beam)
+
+
+@pytest.mark.parametrize("inward", [0.0, 1.0, -1.0])
+def test_a_ray_from_a_face_of_the_box_meets_it_there(inward):
+    assert enter(CUBE, (1, 0.5, 0), (-inward, 0.25, 1)) == 0.0
+    assert enter(CUBE, (1, 1, 1), (-inward, 0, 0.0 if inward else 1.0)) == 0.0
 
 
 def test_a_beam_is_as_thick_as_its_margin():

@@ -7,11 +7,19 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from hsr.kernels.pluecker import nearest_triangle
+from hsr.kernels.pluecker import MISS, distances
 
 DOWN = np.array([0.0, 0.0, -1.0], dtype=np.float32)
 FAR = np.float32(np.inf)
 SQUARE = np.array([[[0, 0, 0], [4, 0, 0], [4, 4, 0]], [[0, 0, 0], [4, 4, 0], [0, 4, 0]]], dtype=np.float32)
+
+
+def nearest_triangle(
+    origin: np.ndarray, direction: np.ndarray, corners: np.ndarray, reach: np.float32
+) -> int:
+    """Return the number of the nearest triangle, the first of equally near ones; -1 for a miss."""
+    t = distances(origin, direction, corners, reach)
+    return int(t.argmin()) if t.min() < MISS else -1
 
 
 def hit(x: float, y: float, corners: np.ndarray = SQUARE, reach: np.float32 = FAR) -> int:

@@ -53,12 +53,6 @@ def test_window_depth_is_affine_on_the_screen() -> None:
     assert z == pytest.approx(z0 + (x - x0) / (x1 - x0) * (z1 - z0), rel=1e-14)
 
 
-def test_float32_is_rounded_once() -> None:
-    clip = np.random.default_rng(0).uniform(0.5, 1.0, (50, 3))
-    args = (True, (640, 480), (0.1, np.inf))
-    assert np.array_equal(to_screen(clip, *args, np.float32), to_screen(clip, *args).astype(np.float32))
-
-
 @pytest.mark.parametrize(("perspective", "far"), [(True, 50.0), (True, np.inf), (False, 50.0)])
 def test_depth_comes_back(perspective: bool, far: float) -> None:
     depth = np.linspace(0.5, 50.0, 40)

@@ -11,7 +11,17 @@ import numpy as np
 import pytest
 
 from hsr.kernels import scanline
-from hsr.kernels.scanline import CULL_BACK, CULL_BOTH, CULL_FRONT, DIRECT, INCREMENTAL, PAINT
+from hsr.kernels.scanline import (
+    ALWAYS,
+    CULL_BACK,
+    CULL_BOTH,
+    CULL_FRONT,
+    DIRECT,
+    FIXED,
+    INCREMENTAL,
+    LESS_EQUAL,
+    Form,
+)
 
 Loop = Sequence[tuple[float, float]]
 MODES = [DIRECT, INCREMENTAL]
@@ -26,6 +36,8 @@ def draw(
     mode: int = INCREMENTAL,
     real: type = np.float64,
     cull: int | Sequence[int] = 0,
+    held: type | None = None,
+    form: Form | None = None,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return z, owner and counts of polygons over vertices (x, y) or (x, y, z)."""
     screen = np.zeros((len(vertices), 3), real)
@@ -37,7 +49,7 @@ def draw(
     slope, table = scanline.polygon_table(
         screen, corner, start, face, np.full(len(loops), cull, np.int8), size
     )
-    z, owner, counts = scanline.scan_convert(screen, corner, slope, table, size, mode, True)
+    z, owner, counts = scanline.scan_convert(screen, corner, slope, table, size, mode, True, held, form)
     assert counts is not None
     return z, owner, counts
 
@@ -254,23 +266,6 @@ def test_depth_down_a_side_and_along_a_line() -> None:
     assert (np.diff(z[:8, 1]) == 1 / 128).all()  # a vertical side: -B/C
 
 
-@pytest.mark.jit
-@pytest.mark.parametrize(("width", "drift"), [(64, 64), (1024, 1024), (4096, 4096)])
-def test_increments_in_float32_drift_with_the_length_of_the_span(width: int, drift: int) -> None:
-    """About half a step of a 24-bit buffer a sample; evaluated directly, a few steps at any length."""
-    corners = [(0.0, 0.0, 0.1), (float(width), 0.0, 0.9), (float(width), 4.0, 0.9), (0.0, 4.0, 0.1)]
-    exact = 0.1 + 0.8 * (np.arange(width) + 0.5) / width
-    step = 2.0**-24
-    error = {}
-    for mode in MODES:
-        z, _, _ = draw(corners, [[0, 1, 2, 3]], (width, 4), mode, np.float32)
-        error[mode] = np.abs(z - exact).max() / step
-    assert error[DIRECT] < 4
-    assert 0.1 * drift < error[INCREMENTAL] < drift
-    z, _, _ = draw(corners, [[0, 1, 2, 3]], (width, 4), INCREMENTAL, np.float64)
-    assert np.abs(z - exact).max() < width * 2.0**-52
-
-
 def random_triangles(rng: np.random.Generator, count: int, size: int) -> np.ndarray:
     centre = rng.uniform(0, size, (count, 1, 2))
     xy = centre + rng.uniform(-0.4 * size, 0.4 * size, (count, 3, 2))
@@ -324,9 +319,74 @@ def test_a_point_on_the_far_plane_is_seen() -> None:
 
 def test_painting_takes_the_last() -> None:
     near, far = [(0, 0, 0.1), (2, 0, 0.1), (0, 2, 0.1)], [(0, 0, 0.9), (2, 0, 0.9), (0, 2, 0.9)]
-    z, owner, counts = draw(near + far, [[0, 1, 2], [3, 4, 5]], (2, 2), PAINT)
+    z, owner, counts = draw(near + far, [[0, 1, 2], [3, 4, 5]], (2, 2), form=Form(ALWAYS))
     assert picture(owner) == ["bb", "b."] or picture(owner) == ["b.", ".."]
     assert (z[owner == 1] == pytest.approx(0.9)) and counts[scanline.PASSED] == 2 * (owner >= 0).sum()
+
+
+# ---------------------------------------------------------------- what the buffer holds
+
+SQUARE = [0, 1, 2, 3]
+
+
+def wall(z: float) -> list[tuple[float, float, float]]:
+    return [(0, 0, z), (1, 0, z), (1, 1, z), (0, 1, z)]
+
+
+@pytest.mark.parametrize(
+    ("z", "level"),
+    [(0.0, 0), (0.49 / 7, 0), (0.51 / 7, 1), (3.49 / 7, 3), (3.51 / 7, 4), (-0.2, 0), (0.9, 6)],
+)
+def test_levels_are_the_nearest(z: float, level: int) -> None:
+    """Of 0, 1/7 .. 7/7, clamped."""
+    held, owner, _ = draw(
+        wall(z), [SQUARE], (1, 1), held=np.uint16, form=Form(levels=7, scale=7.0, offset=0.5)
+    )
+    assert held.dtype == np.uint16 and held.tolist() == [[level]] and owner.tolist() == [[0]]
+
+
+def test_the_greatest_level_is_as_far_as_nothing() -> None:
+    form = Form(levels=7, scale=7.0, offset=0.5)
+    strict = draw(wall(0.95), [SQUARE], (1, 1), held=np.uint16, form=form)
+    closed = draw(wall(0.95), [SQUARE], (1, 1), held=np.uint16, form=form._replace(test=LESS_EQUAL))
+    assert [shown[0].item() for shown in (strict, closed)] == [7, 7]
+    assert [shown[1].item() for shown in (strict, closed)] == [-1, 0]
+
+
+@pytest.mark.parametrize(("d", "level"), [(2.0, 0), (3.0, 1), (5.4, 3), (5.6, 4), (8.9, 7), (-1.0, 7)])
+def test_linear_levels_divide(d: float, level: int) -> None:
+    """Near 2, far 9, seven steps of 1; beyond infinity, where -1/d is positive, is as far as far."""
+    form = Form(LESS_EQUAL, 7, 1.0, 0.5 - 2.0, -1.0 / 9.0)
+    held, _, _ = draw(wall(-1.0 / d), [SQUARE], (1, 1), held=np.uint16, form=form)
+    assert held.tolist() == [[level]]
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_what_is_held_is_what_is_compared(mode: int) -> None:
+    """Two walls that only float64 can tell apart, the nearer last."""
+    walls, loops = wall(0.5) + wall(0.5 - 2.0**-40), [SQUARE, [4, 5, 6, 7]]
+    assert draw(walls, loops, (1, 1), mode)[1].item() == 1
+    held, owner, _ = draw(walls, loops, (1, 1), mode, held=np.float32)
+    assert held.dtype == np.float32 and owner.item() == 0
+
+
+@pytest.mark.parametrize(("form", "shown", "passed"), [(None, "a", 1), (Form(LESS_EQUAL), "b", 2)])
+def test_of_equal_depths_the_test_decides(form: Form | None, shown: str, passed: int) -> None:
+    _, owner, counts = draw(wall(0.5), [SQUARE, SQUARE], (1, 1), form=form)
+    assert picture(owner) == [shown] and counts[scanline.PASSED] == passed
+
+
+def test_whole_numbers_are_stepped_as_integers() -> None:
+    """A triangle of depths that no grid holds, against Python's integers."""
+    corners = [(0.0, 0.0, 100.3), (40.0, 0.0, 993.7), (0.0, 30.0, 401.9)]
+    z, owner, _ = draw(corners, [[0, 1, 2]], (40, 30), FIXED)
+    z_x, z_y = (993.7 - 100.3) / 40, (401.9 - 100.3) / 30
+    for row in range(30):
+        # The left side is vertical: down it, then half a pixel to the first centre, then along.
+        left = round(100.3 + 0.5 * z_y) + row * round(z_y)
+        start = round(left + 0.5 * z_x)
+        seen = z[row][owner[row] == 0].tolist()
+        assert seen == [start + column * round(z_x) for column in range(len(seen))]
 
 
 # ---------------------------------------------------------------- table, strips, counts

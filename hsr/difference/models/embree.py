@@ -9,9 +9,9 @@ transform       the same corners and the rays, rounded to float32
 intersector     (Embree's own test of a ray with a triangle, in its arithmetic)
 ==============  ==============================================================================
 
-The last model tests every triangle, and of equal distances takes the lower face. Embree takes the one
-it comes to last, which its hierarchy decides; where that is another, the sample is unexplained. Whole
-maps would take the model too long.
+The last model tests every triangle. Of several at equal distances Embree takes the one it comes to last,
+which its hierarchy decides, and whether it goes through it with single rays or packets; the model takes
+from Embree which of them it is. Whole maps would take the model too long.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from hsr.algorithms.embree import Options, handed_over, rays
+from hsr.algorithms.embree import Options, handed_over, rays, render
 from hsr.arrays import Array, Floats, Ints
 from hsr.difference.models.rounded import of_polygons, tessellation, true_faces
-from hsr.difference.models.stages import Cause, Pipeline, Stage
-from hsr.kernels.pluecker import nearest_triangle
+from hsr.difference.models.stages import Cause, Pipeline, Stage, rerun
+from hsr.kernels.pluecker import MISS, distances
 from hsr.viewing import View
 from hsr.visibility import BACKGROUND
 
@@ -71,13 +71,25 @@ def transform(view: View, options: Options, samples: Array) -> Ints:
     return shown
 
 
-def intersector(view: View, options: Options, samples: Array) -> Ints:  # noqa: ARG001
+rendered = rerun(render)
+
+
+def intersector(view: View, options: Options, samples: Array) -> Ints:
     """Model Embree's test of a ray with a triangle."""
     vertices, corner, face = handed_over(view)
-    corners, face_of = vertices[corner], np.append(face, np.int32(BACKGROUND))
-    reach = np.float32(view.far - view.near)
-    found = [nearest_triangle(*ray, corners, reach) for ray in _rays_of(view, samples)]
-    return np.asarray(face_of[found], dtype=np.int32)
+    corners, reach = vertices[corner], np.float32(view.far - view.near)
+    own = rendered(view, options)[0].ravel()[samples]
+    at = (distances(*ray, corners, reach) for ray in _rays_of(view, samples))
+    return np.array([_nearest(t, face, shown) for t, shown in zip(at, own, strict=True)], dtype=np.int32)
+
+
+def _nearest(t: Array, face: Ints, shown: int) -> int:
+    """Return the face of the nearest triangle: if there are several, ``shown``, or else the lowest."""
+    least = t.min(initial=MISS)
+    if least == MISS:
+        return BACKGROUND
+    nearest = face[t == least]
+    return shown if shown in nearest else int(nearest.min())
 
 
 # ---------------------------------------------------------------- rays

@@ -1,19 +1,20 @@
 """The ray caster, stage by stage.
 
-============  ===================================================================================
-Stage         Model: the exact answer
-============  ===================================================================================
-transform     for the objects carried to the screen by their matrices, as rounded; of meshes the
-              vertices, as rounded
-traversal     the same, but where the plain object list gives another answer than the method,
-              the method's
-intersector   (the method itself)
-============  ===================================================================================
+==============  ==============================================================================
+Stage           Model: the exact answer
+==============  ==============================================================================
+input rounding  with float32, for the vertices in object space, rounded to it
+transform       on the screen, for the objects carried there by their matrices, as rounded; of
+                meshes the vertices, as rounded
+traversal       the same, but where the plain object list gives another answer than the method,
+                the method's
+intersector     (the method itself)
+==============  ==============================================================================
 
-Generic shapes and their rays meet in object space. The rounding of the rays there counts as the
-intersector's, as does that of near and far. The last model is the method run once more: that it shows
-the same proves that the method does not depend on chance, and the other models say at which stage it
-leaves the truth.
+Generic shapes and their rays meet in object space, as do meshes and theirs unless triangles are tested on
+the screen. The rounding of the rays there counts as the intersector's, as does that of near and far. The
+last model is the method run once more: that it shows the same proves that the method does not depend on
+chance, and the other models say at which stage it leaves the truth.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hsr.algorithms.raycast import Options, cast_by_list, render, screen_matrices
+from hsr.algorithms.raycast import Options, as_float32, cast_by_list, render, screen_matrices
 from hsr.arrays import Array, Floats, Ints
 from hsr.difference.models.rounded import seen_along_third, true_faces
 from hsr.difference.models.stages import Cause, Pipeline, Stage, rerun
@@ -50,15 +51,32 @@ def _projected(placement: Placement, screen: Floats) -> Placement:
     return replace(placement, shape=shape, world_from_object=np.eye(4))
 
 
-def transform(view: View, options: Options, samples: Array) -> Ints:  # noqa: ARG001
+def input_rounding(view: View, options: Options, samples: Array) -> Ints:
+    """Model the rounding of vertices to float32, if that is the arithmetic."""
+    if options.arithmetic == "float32":
+        view = replace(view, placements=tuple(_rounded(placement) for placement in view.placements))
+    return true_faces(view)[samples]
+
+
+def _rounded(placement: Placement) -> Placement:
+    polygons = placement.shape.polygons
+    if polygons is None:
+        return placement
+    vertices = as_float32(polygons.vertices).astype(np.float64)
+    return replace(placement, shape=replace(placement.shape, polygons=replace(polygons, vertices=vertices)))
+
+
+def transform(view: View, options: Options, samples: Array) -> Ints:
     """Model the rounding of the composed matrices and of projected vertices."""
+    if options.test != "screen":
+        return input_rounding(view, options, samples)
     return true_faces(_on_screen(view))[samples]
 
 
 def traversal(view: View, options: Options, samples: Array) -> Ints:
     """Model what the traversal of the objects may have left out."""
     own = intersector(view, options, samples)
-    return np.where(cast_by_list(view, samples) == own, transform(view, options, samples), own)
+    return np.where(cast_by_list(view, options, samples) == own, transform(view, options, samples), own)
 
 
 rendered = rerun(render)
@@ -71,6 +89,7 @@ def intersector(view: View, options: Options, samples: Array) -> Ints:
 
 PIPELINE = Pipeline(
     (
+        Stage(Cause.INPUT_ROUNDING, input_rounding),
         Stage(Cause.TRANSFORM, transform),
         Stage(Cause.TRAVERSAL, traversal),
         Stage(Cause.INTERSECTOR, intersector),

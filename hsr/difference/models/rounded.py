@@ -99,15 +99,17 @@ def seen_along_third(view: View, x_row: list[float], y_row: list[float], w: floa
     return replace(view, clip_from_world=np.array([x_row, y_row, z_row, w_row]), depth_row=np.array(THIRD))
 
 
-def seen_from_front(view: View, near: float, far: float) -> View:
+def seen_from_front(view: View, near: float, far: float, y_up: bool = False) -> View:
     """Give a view a parallel camera whose world is the screen: pixels right, pixels down, depth.
 
-    The clip coordinates ``((2 x - W) H, (H - 2 y) W, z, W H)`` have integers for coefficients.
+    The clip coordinates ``((2 x - W) H, (H - 2 y) W, z, W H)`` have integers for coefficients. With
+    ``y_up`` pixels are counted from the bottom, and the second is ``(2 y - H) W``.
     """
     width, height = float(view.width), float(view.height)
+    up = 1.0 if y_up else -1.0
     rows = [
         [2.0 * height, 0.0, 0.0, -width * height],
-        [0.0, -2.0 * width, 0.0, width * height],
+        [0.0, up * 2.0 * width, 0.0, -up * width * height],
         THIRD,
         [0.0, 0.0, 0.0, width * height],
     ]

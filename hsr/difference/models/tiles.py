@@ -1,8 +1,9 @@
 """The depth buffer of half-space tests, stage by stage.
 
-Up to the screen it works like :mod:`hsr.difference.models.zbuffer` in float64. The fill rule is modelled
-by the triangles that it draws itself. Its depths are rounded to keys while they are computed, so that
-their arithmetic and their format are one stage: the method itself, run once more.
+Certified, it has no error but the tessellation. Left alone, it rounds world points and clip coordinates as
+:mod:`hsr.difference.models.scanline` does in float64. The fill rule is modelled by the triangles that it
+draws itself. Its depths are rounded to keys while they are computed, so that their arithmetic and their
+format are one stage: the method itself, run once more.
 """
 
 from __future__ import annotations
@@ -11,18 +12,17 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from hsr.algorithms import zbuffer
-from hsr.algorithms.tiles import Options, fans, render
+from hsr.algorithms import scanline
+from hsr.algorithms.tiles import Options, clustered, draw, eye_of, mesh_of, render
 from hsr.arrays import Array, Ints
-from hsr.difference.models import zbuffer as scanned
+from hsr.difference.models import scanline as scanned
 from hsr.difference.models.rounded import tessellation
 from hsr.difference.models.stages import Cause, Pipeline, Stage, rerun
-from hsr.kernels.tiles import rasterise
-from hsr.viewing import View, WorldPolygons
+from hsr.viewing import View
 
-FLOAT64 = zbuffer.Options()
+FLOAT64 = scanline.Options()
 
-Model = Callable[[View, zbuffer.Options, Array], Ints]
+Model = Callable[[View, scanline.Options, Array], Ints]
 
 
 def _shared(model: Model) -> Callable[[View, Options, Array], Ints]:
@@ -35,17 +35,17 @@ def fill_rule(view: View, options: Options, samples: Array) -> Ints:  # noqa: AR
     view = view.tessellated()
     polygons = scanned.on_screen(view, FLOAT64)
     layers = scanned.layers_of(view, polygons, samples)
-    return scanned.nearest_drawn(view, polygons, _drawn(view, polygons, layers), samples)
+    return scanned.nearest_drawn(view, polygons, _drawn(view, layers), samples)
 
 
-def _drawn(view: View, polygons: WorldPolygons, layers: list[list[int]]) -> Iterator[Ints]:
+def _drawn(view: View, layers: list[list[int]]) -> Iterator[Ints]:
     """Rasterise each layer by itself, and yield which polygon (H, W) is drawn at each sample."""
-    triangle, polygon = fans(polygons.vertices, polygons.corner, polygons.start)
-    number, size = polygon.astype(np.int32), (view.width, view.height)
+    eye, polygon = eye_of(view, mesh_of(view)), view.polygons.triangle_polygon
     for layer in layers:
-        which = np.isin(number, layer)
-        cull = polygons.cull[number[which]]
-        yield rasterise(polygons.vertices, triangle[which], number[which], cull, size)[0]
+        alone = clustered(view, np.flatnonzero(np.isin(polygon, layer)), polygon)
+        answer = np.empty((view.height, view.width), np.int32), np.empty((view.height, view.width))
+        draw(view, alone, eye, np.empty((len(alone.vertices), 4)), False, answer)
+        yield answer[0]
 
 
 rendered = rerun(render)
@@ -61,8 +61,6 @@ PIPELINE = Pipeline(
         Stage(Cause.TESSELLATION, tessellation),
         Stage(Cause.INPUT_ROUNDING, _shared(scanned.input_rounding)),
         Stage(Cause.TRANSFORM, _shared(scanned.transform)),
-        Stage(Cause.CLIPPING, _shared(scanned.clipping)),
-        Stage(Cause.VERTEX_SNAPPING, _shared(scanned.vertex_snapping)),
         Stage(Cause.FILL_RULE, fill_rule),
         Stage(Cause.DEPTH_FORMAT, depth_format),
     ),

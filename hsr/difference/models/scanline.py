@@ -7,18 +7,23 @@ tessellation      curved shapes replaced by polygons
 input rounding    the polygons in world space, as rounded
 transform         the polygons in clip space, as rounded
 clipping          the clipped polygons in clip space, as rounded
-vertex snapping   the clipped polygons on the screen, as rounded to float64 or float32
-fill rule         those of the same polygons that the method itself draws at the sample
-depth arithmetic  (the method itself)
+vertex snapping   the clipped polygons on the screen, as snapped, and rounded to float64 or float32
+fill rule         those of the same polygons that the method itself draws at the sample; of equal
+                  depths the one that its depth test keeps
+depth arithmetic  (the method itself, but that depths are stored as they are interpolated)
+depth format      (the method itself)
 ================  =============================================================================
 
-The buffer has the type of the arithmetic, so that storing a depth rounds nothing. The last model is
+A buffer that holds the numbers of the arithmetic rounds nothing, and the last two agree. The last model is
 the method run once more: that it shows the same proves that the method does not depend on chance, and
 the other models say at which stage it leaves the truth.
+
+For the fill rule bottom-left the screen is the mirrored one, y counted from the bottom.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from fractions import Fraction
@@ -26,7 +31,16 @@ from itertools import pairwise
 
 import numpy as np
 
-from hsr.algorithms.zbuffer import ARITHMETIC, STEPPING, Options, render
+from hsr.algorithms.depthformats import unrounded
+from hsr.algorithms.scanline import (
+    TESTS,
+    Options,
+    cull_on_screen,
+    depths_in,
+    render,
+    screen_of,
+    upright,
+)
 from hsr.arrays import Array, Floats, Ints
 from hsr.difference.models.rounded import (
     of_polygons,
@@ -38,13 +52,9 @@ from hsr.difference.models.rounded import (
 from hsr.difference.models.stages import Cause, Pipeline, Stage, rerun
 from hsr.kernels import scanline
 from hsr.kernels.clipping import clip_polygons, view_volume
-from hsr.kernels.projection import clip_rows, to_clip, to_screen
+from hsr.kernels.projection import clip_rows, to_clip
 from hsr.viewing import View, WorldPolygons
 from hsr.visibility import BACKGROUND
-
-BEYOND = Fraction(2)
-"""A window depth beyond all that is drawn."""
-
 
 # ---------------------------------------------------------------- up to the screen
 
@@ -69,10 +79,14 @@ def clipping(view: View, options: Options, samples: Array) -> Ints:
 
 
 def vertex_snapping(view: View, options: Options, samples: Array) -> Ints:
-    """Model the rounding of screen coordinates."""
+    """Model the snapping and rounding of screen coordinates."""
     view = view.tessellated()
-    # Window depths run from 0 to 1 but for rounding, and are not cut again.
-    return _judged(seen_from_front(view, -1.0, 2.0), on_screen(view, options), view, options, samples)
+    polygons = on_screen(view, options)
+    # The depths have been cut to near and far in clip space, and are not cut again.
+    drawn = polygons.vertices[polygons.corner, 2]
+    near, far = float(drawn.min(initial=0.0)) - 1.0, float(drawn.max(initial=0.0)) + 1.0
+    seen = seen_from_front(view, near, far, y_up=options.upside_down)
+    return _judged(seen, polygons, view, options, samples)
 
 
 def _judged(seen: View, polygons: WorldPolygons, view: View, options: Options, samples: Array) -> Ints:
@@ -83,7 +97,7 @@ def _judged(seen: View, polygons: WorldPolygons, view: View, options: Options, s
     """
     drawn = on_screen(view, options)
     chosen = np.diff(drawn.start) < 3
-    chosen[_reaching(view, drawn, samples)[0]] = True
+    chosen[_reaching(view, drawn, _scanned(view, options, samples))[0]] = True
     return true_faces(of_polygons(seen, polygons, chosen))[samples]
 
 
@@ -103,10 +117,17 @@ def _clipped(view: View) -> WorldPolygons:
 
 
 def on_screen(view: View, options: Options) -> WorldPolygons:
-    """Return the clipped polygons in screen coordinates, of the type of the arithmetic."""
-    clipped, size, real = _clipped(view), (view.width, view.height), ARITHMETIC[options.arithmetic]
-    screen = to_screen(clipped.vertices, view.perspective, size, (view.near, view.far), real)
+    """Return the clipped polygons as they are scan converted, of the type of the arithmetic."""
+    clipped = _clipped(view)
+    depths = depths_in(view, clipped.vertices, clipped.corner, options)
+    screen = screen_of(view, clipped.vertices, depths, options)
     return replace(clipped, vertices=screen)
+
+
+def _scanned(view: View, options: Options, samples: Array) -> Array:
+    """Return the numbers of samples in the picture as it is scan converted."""
+    number = np.arange(view.height * view.width).reshape(view.height, view.width)
+    return np.asarray(upright(number, options).ravel()[samples])
 
 
 def _reaching(view: View, polygons: WorldPolygons, samples: Array) -> tuple[Array, Array]:
@@ -151,14 +172,17 @@ def _boxes(view: View, polygons: WorldPolygons, first: Ints) -> Array:
 
 def fill_rule(view: View, options: Options, samples: Array) -> Ints:
     """Model the coverage: of the polygons that the method draws at a sample, the nearest."""
-    view = view.tessellated()
+    view, samples = view.tessellated(), _scanned(view, options, samples)
     polygons = on_screen(view, options)
     layers = layers_of(view, polygons, samples)
-    return nearest_drawn(view, polygons, _drawn(view, polygons, layers, STEPPING[options.stepping]), samples)
+    later = options.depth_test == "less-equal"
+    return nearest_drawn(view, polygons, _drawn(view, polygons, layers, options), samples, later)
 
 
-def nearest_drawn(view: View, polygons: WorldPolygons, drawn: Iterable[Ints], samples: Array) -> Ints:
-    """Return the face of the nearest polygon drawn at each sample, of equal depths the lower one.
+def nearest_drawn(
+    view: View, polygons: WorldPolygons, drawn: Iterable[Ints], samples: Array, later: bool = False
+) -> Ints:
+    """Return the face of the nearest polygon drawn at each sample.
 
     Parameters
     ----------
@@ -168,13 +192,16 @@ def nearest_drawn(view: View, polygons: WorldPolygons, drawn: Iterable[Ints], sa
     drawn : iterable of (H, W) int32
         For each layer the polygon drawn at each sample, or -1.
     samples : (n,) int64
+    later : bool
+        Whether of equal depths the higher face is shown, or the lower.
 
     Returns
     -------
     (n,) int32
     """
     planes: dict[int, tuple[Fraction, Fraction, Fraction]] = {}
-    nearest: list[tuple[Fraction, int]] = [(BEYOND, BACKGROUND)] * len(samples)
+    nearest: list[tuple[Fraction | float, int]] = [(math.inf, BACKGROUND)] * len(samples)
+    order = -1 if later else 1
     row, column = np.divmod(samples, view.width)
     for layer in drawn:
         number = layer[row, column]
@@ -184,8 +211,8 @@ def nearest_drawn(view: View, polygons: WorldPolygons, drawn: Iterable[Ints], sa
                 planes[i] = _plane(polygons, i)
             constant, z_x, z_y = planes[i]
             z = constant + z_x * int(2 * column[k] + 1) + z_y * int(2 * row[k] + 1)
-            nearest[k] = min(nearest[k], (z, int(polygons.face[i])))
-    return np.array([face for _, face in nearest], dtype=np.int32)
+            nearest[k] = min(nearest[k], (z, order * int(polygons.face[i])))
+    return np.array([BACKGROUND if z == math.inf else order * face for z, face in nearest], dtype=np.int32)
 
 
 def layers_of(view: View, polygons: WorldPolygons, samples: Array) -> list[list[int]]:
@@ -202,13 +229,13 @@ def layers_of(view: View, polygons: WorldPolygons, samples: Array) -> list[list[
     return layers
 
 
-def _drawn(view: View, polygons: WorldPolygons, layers: list[list[int]], mode: int) -> Iterator[Ints]:
+def _drawn(view: View, polygons: WorldPolygons, layers: list[list[int]], options: Options) -> Iterator[Ints]:
     """Scan convert each layer by itself, and yield which polygon (H, W) is drawn at each sample."""
     number, size = np.arange(len(polygons), dtype=np.int32), (view.width, view.height)
-    screen, corner = polygons.vertices, polygons.corner
-    slope, table = scanline.polygon_table(screen, corner, polygons.start, number, polygons.cull, size)
+    screen, corner, cull = polygons.vertices, polygons.corner, cull_on_screen(polygons.cull, options)
+    slope, table = scanline.polygon_table(screen, corner, polygons.start, number, cull, size)
     for layer in layers:
-        yield scanline.scan_convert(screen, corner, slope[layer], table[layer], size, mode, False)[1]
+        yield scanline.scan_convert(screen, corner, slope[layer], table[layer], size, options.mode, False)[1]
 
 
 def _plane(polygons: WorldPolygons, i: int) -> tuple[Fraction, Fraction, Fraction]:
@@ -231,11 +258,22 @@ def _plane(polygons: WorldPolygons, i: int) -> tuple[Fraction, Fraction, Fractio
 # ---------------------------------------------------------------- the method itself
 
 
+def depth_arithmetic(view: View, options: Options, samples: Array) -> Ints:
+    """Run the method without rounding depths to what the buffer holds."""
+    view, samples = view.tessellated(), _scanned(view, options, samples)
+    polygons, size = on_screen(view, options), (view.width, view.height)
+    screen, corner, cull = polygons.vertices, polygons.corner, cull_on_screen(polygons.cull, options)
+    slope, table = scanline.polygon_table(screen, corner, polygons.start, polygons.face, cull, size)
+    form = unrounded(TESTS[options.depth_test])
+    face = scanline.scan_convert(screen, corner, slope, table, size, options.mode, False, form=form)[1]
+    return np.asarray(face.ravel()[samples])
+
+
 rendered = rerun(render)
 
 
-def depth_arithmetic(view: View, options: Options, samples: Array) -> Ints:
-    """Run the method: all its arithmetic."""
+def depth_format(view: View, options: Options, samples: Array) -> Ints:
+    """Run the method: all its arithmetic, and what the buffer holds of it."""
     return rendered(view, options)[0].ravel()[samples]
 
 
@@ -248,6 +286,7 @@ PIPELINE = Pipeline(
         Stage(Cause.VERTEX_SNAPPING, vertex_snapping),
         Stage(Cause.FILL_RULE, fill_rule),
         Stage(Cause.DEPTH_ARITHMETIC, depth_arithmetic),
+        Stage(Cause.DEPTH_FORMAT, depth_format),
     ),
     rendered,
 )

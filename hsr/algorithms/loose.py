@@ -1,0 +1,171 @@
+"""Triangles that cannot be set up from projected corners: one is at or behind the eye, or all but there.
+
+Their homogeneous edges need no projected corners, nor any clipping (Olano & Greer, "Triangle Scan Conversion
+Using 2D Homogeneous Coordinates", 1997). They are few, and set up exactly; each coefficient is rounded once.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hsr.algorithms.resolve import facets_at
+from hsr.arrays import Bools, Floats, Ints
+from hsr.kernels import halfspaces as hs
+from hsr.kernels.halfspaces import CLUSTER, ERROR, LOOSE, NEARNESS, TABLE, Eye, U
+from hsr.kernels.projection import clip_rows, to_clip
+from hsr.viewing import View
+
+ROUNDED = 16.0 * U
+"""Bound of the error of an edge function of which no term is above 1 on the image: three coefficients, a
+quotient each, and fewer than ten roundings of numbers below 1."""
+
+
+def loose_tables(
+    view: View, vertices: Floats, corner: Ints, number: Ints, screen: Floats, eye: Eye
+) -> Floats:
+    """Set up the triangles that ``halfspaces.set_up`` leaves out because a corner is not certain.
+
+    Parameters
+    ----------
+    view : View
+        Without curved shapes.
+    vertices : (V, 3) float64, world space
+    corner : (n, 3) int32
+    number : (n,) int32
+        Number of each triangle among the fans of ``view.polygons``.
+    screen : (V, 4) float64
+        The projected vertices.
+    eye : Eye
+
+    Returns
+    -------
+    (t, TABLE) float64
+        Tables; in the last one, places without a triangle have no scan lines.
+    """
+    certain = screen[:, ERROR] <= LOOSE
+    if certain.all():
+        return np.empty((0, TABLE))
+    ahead = _may_be_ahead(screen[:, NEARNESS], eye)
+    loose = np.flatnonzero(~certain[corner].all(axis=1) & ahead[corner].any(axis=1))
+    clip = to_clip(vertices, clip_rows(view.clip_from_world, view.depth_row))
+    box = boxes(clip[corner[loose]], view.near, eye)
+    crossed = np.flatnonzero((box[:, 0] < box[:, 1]) & (box[:, 2] < box[:, 3]))
+    if not len(crossed):
+        return np.empty((0, TABLE))
+    chosen = crossed[np.argsort(number[loose[crossed]])]
+    columns = _columns(view, number[loose[chosen]], box[chosen], eye)
+    columns[hs.NUMBER // CLUSTER] = loose[chosen]
+    tables = np.zeros((-(-len(chosen) // CLUSTER), TABLE // CLUSTER, CLUSTER))
+    for t in range(len(tables)):
+        part = columns[:, t * CLUSTER : (t + 1) * CLUSTER]
+        tables[t, :, : part.shape[1]] = part
+    return tables.reshape(-1, TABLE)
+
+
+def _may_be_ahead(nearness: Floats, eye: Eye) -> Bools:
+    """Tell which vertices may be in front of the eye."""
+    if not eye.perspective:
+        return np.ones(len(nearness), np.bool_)
+    with np.errstate(divide="ignore"):
+        return np.asarray(~(1.0 / nearness < -eye.error_d))
+
+
+def boxes(clip: Floats, near: float, eye: Eye) -> Floats:
+    """Bound the samples that triangles may cover.
+
+    Parameters
+    ----------
+    clip : (n, 3, 3) float64
+        Clip coordinates (x, y, d) of the corners.
+    near : float
+        Depth of the near plane.
+    eye : Eye
+
+    Returns
+    -------
+    (n, 4) float64
+        First and end column, first and end line.
+
+    Notes
+    -----
+    Under perspective, what is seen is the hull of the corners beyond a depth just below near, and of the
+    points in which the sides cross it. Projected, each is off by at most what
+    :func:`hsr.kernels.halfspaces.projected` says, and a point of a side by some roundings of the ends'
+    coordinates.
+    """
+    whole = np.array([0.0, eye.width, 0.0, eye.height])
+    least = near - 2.0 * eye.error_d
+    if not eye.perspective or least <= 2.0 * eye.error_d:
+        return np.broadcast_to(whole, (len(clip), 4))
+    following = np.roll(clip, -1, axis=1)
+    d, next_d = clip[..., 2], following[..., 2]
+    crosses = (d >= least) != (next_d >= least)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        part = np.where(crosses, (least - d) / (next_d - d), 0.0)[..., None]
+        crossing = (clip + part * (following - clip))[..., :2] / least
+        corners = clip[..., :2] / d[..., None]
+    points = np.concatenate([corners, crossing], axis=1)
+    seen = np.concatenate([d >= least, crosses], axis=1)[..., None]
+    low, high = np.where(seen, points, np.inf).min(axis=1), np.where(seen, points, -np.inf).max(axis=1)
+    size = np.abs(clip).max(axis=(1, 2))
+    error = (2.0 * (max(eye.error_x, eye.error_y) + 2.0 * eye.error_d) + 64.0 * U * size)[:, None] / least
+    # Farther out than 2 an error of the depth counts for more, but does not bring a point onto the image.
+    low, high = np.clip(low - error, -2.0, 2.0), np.clip(high + error, -2.0, 2.0)
+    left, right = (1.0 + low[:, 0]) * 0.5 * eye.width, (1.0 + high[:, 0]) * 0.5 * eye.width
+    top, bottom = (1.0 - high[:, 1]) * 0.5 * eye.height, (1.0 - low[:, 1]) * 0.5 * eye.height
+    sides = [np.floor(left - 1.0), np.ceil(right + 1.0), np.floor(top - 1.0), np.ceil(bottom + 1.0)]
+    empty = ~seen.any(axis=(1, 2))
+    box = np.clip(np.stack(sides, axis=1), 0.0, np.array([eye.width, eye.width, eye.height, eye.height]))
+    box[empty] = 0.0
+    return np.asarray(box)
+
+
+def _columns(view: View, piece: Ints, box: Floats, eye: Eye) -> Floats:
+    """Return the parts (TABLE / CLUSTER, n) of a table of pieces, ascending, relative to their boxes."""
+    frame, facets = facets_at(view, piece)
+    columns = np.zeros((TABLE // CLUSTER, len(piece)))
+    left, right, top, bottom = box.T
+    # The place of a sample in the frame: two units to the next, the second one running up.
+    i = (2 * left + 1 - view.width).astype(np.int64).astype(object)
+    j = (view.height - 1 - 2 * top).astype(np.int64).astype(object)
+
+    # Scale each edge function so that nowhere on the image a term of it is above 1.
+    for edge, (e, across, below) in enumerate(zip(_E, _ACROSS, _BELOW, strict=True)):
+        a, b, c = facets.inside[:, edge].T
+        value, to_right, down = a * i + b * j + c, 2 * a, -2 * b
+        size = np.maximum(abs(value) + abs(to_right) * view.width + abs(down) * view.height, 1)
+        columns[e], columns[across], columns[below] = value / size, to_right / size, down / size
+    columns[hs.BOUND // CLUSTER], columns[hs.AREA // CLUSTER] = ROUNDED, 1.0
+
+    # Nearness is affine on the screen, too.
+    a, b, c = facets.plane[:, :3].T
+    s = np.maximum(facets.plane[:, 3], 1)
+    above, below = (frame.unit, 1) if view.perspective else (1, frame.unit)
+    share = _depths_per_w(view)
+    value, to_right, down = (
+        -share * (number * above / (s * below)).astype(np.float64)
+        for number in (a * i + b * j + c, 2 * a, -2 * b)
+    )
+    z_x, z_y = -to_right * eye.scale, -down * eye.scale
+    columns[hs.Z // CLUSTER], columns[hs.Z_X // CLUSTER] = hs.key_depth(value, eye), z_x
+    columns[hs.Z_Y // CLUSTER] = z_y
+    rounding = 4.0 * U * (abs(eye.front) + abs(value)) * eye.scale
+    growth = abs(z_x) * view.width + abs(z_y) * view.height
+    columns[hs.Z_ERROR // CLUSTER] = rounding + 64.0 * U * (1.0 + growth)
+    columns[hs.NEAREST // CLUSTER], columns[hs.CUT // CLUSTER] = 1.0, 1.0
+    columns[hs.LEFT // CLUSTER], columns[hs.RIGHT // CLUSTER] = left, right
+    columns[hs.TOP // CLUSTER], columns[hs.BOTTOM // CLUSTER] = top, np.where(facets.drawn, bottom, top)
+    return columns
+
+
+_E = [part // CLUSTER for part in (hs.E0, hs.E1, hs.E2)]
+_ACROSS = [part // CLUSTER for part in (hs.ACROSS0, hs.ACROSS1, hs.ACROSS2)]
+_BELOW = [part // CLUSTER for part in (hs.BELOW0, hs.BELOW1, hs.BELOW2)]
+
+
+def _depths_per_w(view: View) -> float:
+    """Return the clip coordinate w of a point at depth 1 under perspective; 1 for a parallel view."""
+    if not view.perspective:
+        return 1.0
+    largest = np.abs(view.depth_row[:3]).argmax()
+    return float(view.clip_from_world[3, largest] / view.depth_row[largest])

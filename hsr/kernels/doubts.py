@@ -1,0 +1,355 @@
+"""Depth buffers of keys, and what they leave in doubt.
+
+Depth and owner of a sample share one 64-bit integer, the *key*: depth in the upper bits, the number of the
+triangle in the lower ones. The nearest triangle has the least key, and one minimum does the depth test and
+both writes. Sixteen samples of a scan line are tested at once.
+
+What float64 cannot decide is not decided here. Only certain coverage enters the keys. A sample on an edge,
+within the error of the edge functions, or two depths within their error, is a *doubt*: every triangle that
+might own the sample is written down, unless something certain is certainly nearer. So at a sample without
+doubts the key is right, and at one with doubts the owner is among what was written down. The order in which
+triangles come leaves no trace.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from hsr.arrays import Array, Floats
+from hsr.jit import jit
+from hsr.kernels.halfspaces import (
+    ACROSS0,
+    ACROSS1,
+    ACROSS2,
+    AREA,
+    BELOW0,
+    BELOW1,
+    BELOW2,
+    BOTTOM,
+    BOUND,
+    E0,
+    E1,
+    E2,
+    FRONT,
+    LANES,
+    LEFT,
+    NEAREST,
+    NUMBER,
+    RIGHT,
+    TOP,
+    Z_ERROR,
+    Z_X,
+    Z_Y,
+    Eye,
+    Z,
+)
+
+EMPTY = np.uint64(2**64 - 1)
+"""The key of a sample that no triangle owns."""
+
+MANTISSA = 52
+"""Bits of a float64 after the binary point; key depths, shifted by the others to the top, order like
+depth."""
+
+ONE = np.float64(1.0).view(np.uint64)
+"""Sign and exponent of every key depth."""
+
+WIDE = 3 * LANES
+"""From this width on, the samples of a scan line that a triangle can cover are worked out first."""
+
+DOUBT = np.dtype([("sample", np.int64), ("key", np.uint64), ("sure", np.bool_)])
+"""A triangle that may own a sample, by its key; whether it certainly covers it."""
+
+USED, TRIANGLES = 0, 1
+"""Columns of the counts: doubts written down, whether or not there was room; triangles drawn."""
+
+Row = tuple[float, float, float, float, float, float, float, float]
+"""A triangle on a scan line: three edge functions and the key depth at the first sample of its bounding box,
+each with its growth from sample to sample."""
+
+Limits = tuple[float, float, float]
+"""Key depths of near and far, and what makes their errors those of an edge function."""
+
+
+class Window(NamedTuple):
+    """A part of the image, and how its keys are made.
+
+    Its keys are (lines, columns + LANES) uint64; those beyond the last column are not used.
+
+    Attributes
+    ----------
+    line, column : int
+        Its first in the image.
+    width : int
+        Columns of the image.
+    mask : uint64
+        The bits of a key that are depth.
+    gap : uint64
+        By how much keys differ at most whose depths may be equal.
+    """
+
+    line: int
+    column: int
+    width: int
+    mask: np.uint64
+    gap: np.uint64
+
+
+# ---------------------------------------------------------------- keys
+
+
+@jit
+def depth_mask(triangles: int) -> np.uint64:
+    """Return the bits of a key that are depth; the others tell so many triangles apart."""
+    bits = 64 - MANTISSA
+    while triangles >> bits > 0:
+        bits += 1
+    return EMPTY << np.uint64(bits)
+
+
+@jit
+def key_of(z: float, mask: np.uint64, number: np.uint64) -> np.uint64:
+    """Return the key of a triangle at a key depth within [1, 2)."""
+    return ((np.float64(z).view(np.uint64) << np.uint64(64 - MANTISSA)) & mask) | number
+
+
+@jit
+def depth_of(key: np.uint64) -> float:
+    """Return the key depth of a key."""
+    return np.uint64((key >> np.uint64(64 - MANTISSA)) | ONE).view(np.float64)
+
+
+@jit
+def gap_of(mask: np.uint64, tie: float) -> np.uint64:
+    """Return by how much keys differ at most whose depths, each within ``tie``, may be equal."""
+    return np.uint64(tie * 2.0**65) + ~mask + np.uint64(1)
+
+
+# ---------------------------------------------------------------- drawing
+
+
+@jit
+def is_certain(table: Floats, i: int, eye: Eye) -> bool:
+    """Whether it is certain which way a triangle of a table is turned, and how deep it is."""
+    return bool(table[AREA + i] > table[BOUND + i] and table[Z_ERROR + i] <= eye.tie)
+
+
+@jit
+def limits_of(table: Floats, i: int, eye: Eye) -> Limits:
+    """Return the limits of a triangle's depth."""
+    return eye.near, eye.far, table[BOUND + i] / eye.tie
+
+
+@jit
+def fill(
+    table: Floats, i: int, keys: Array, window: Window, limits: Limits | None, certify: bool | None
+) -> bool:
+    """Take a triangle into the keys of a window: where it is certainly inside, and certainly nearer.
+
+    Parameters
+    ----------
+    table : (TABLE,) float64
+    i : int
+        Its place in the table.
+    keys : (lines, columns + LANES) uint64
+    window : Window
+    limits : Limits or None
+        Of its depth, if it may be cut.
+    certify : bool or None
+        None leaves doubts alone: what is undecided goes to the side it seems to be on.
+
+    Returns
+    -------
+    bool
+        Whether it has doubts, see :func:`note`.
+    """
+    left, top = int(table[LEFT + i]), int(table[TOP + i])
+    begin, end = columns_of(table, i, keys, window)
+    bound = 0.0 if certify is None else table[BOUND + i]
+    mask, gap, number = (
+        window.mask,
+        np.uint64(0) if certify is None else window.gap,
+        np.uint64(table[NUMBER + i]),
+    )
+    doubtful = False
+    for line in range(max(top, window.line), min(int(table[BOTTOM + i]), window.line + len(keys))):
+        row = row_of(table, i, float(line - top))
+        here = keys[line - window.line]
+        first, last = begin, end
+        if end - begin > WIDE:
+            first, last = span_of(row, bound, left, begin, end)
+        for start in range(first, last, LANES):
+            for lane in range(LANES):
+                inner, z = at(row, float(start - left + lane), limits)
+                key = key_of(z, mask, number)
+                place = np.uintp(start - window.column + lane)
+                old = here[place]
+                inside = inner >= bound
+                here[place] = key if inside & (key + gap < old) else old
+                if certify is not None:
+                    doubtful |= (abs(inner) < bound) | (inside & (key - old + gap <= gap + gap))
+    return doubtful
+
+
+@jit
+def columns_of(table: Floats, i: int, keys: Array, window: Window) -> tuple[int, int]:
+    """Return the first column of a window that a triangle may cover, and the one after the last."""
+    end = window.column + keys.shape[1] - LANES
+    return max(int(table[LEFT + i]), window.column), min(int(table[RIGHT + i]), end)
+
+
+@jit
+def row_of(table: Floats, i: int, down: float) -> Row:
+    """Return a triangle on the scan line that is ``down`` below the first of its bounding box."""
+    return (
+        table[E0 + i] + down * table[BELOW0 + i],
+        table[ACROSS0 + i],
+        table[E1 + i] + down * table[BELOW1 + i],
+        table[ACROSS1 + i],
+        table[E2 + i] + down * table[BELOW2 + i],
+        table[ACROSS2 + i],
+        table[Z + i] + down * table[Z_Y + i],
+        table[Z_X + i],
+    )
+
+
+@jit
+def at(row: Row, right: float, limits: Limits | None) -> tuple[float, float]:
+    """Return the least of what must be positive inside, and the key depth."""
+    inner = min(min(row[0] + right * row[1], row[2] + right * row[3]), row[4] + right * row[5])
+    z = row[6] + right * row[7]
+    if limits is not None:
+        inner = min(inner, min((z - limits[0]) * limits[2], (limits[1] - z) * limits[2]))
+    return inner, z
+
+
+@jit
+def span_of(row: Row, bound: float, left: int, begin: int, end: int) -> tuple[int, int]:
+    """Return the columns from begin to end at which no edge function is below ``-bound``.
+
+    An edge function ``e + right * across`` is, on one side of ``-(e + bound) / across``. The quotient is off
+    by a few ulp, less than a sample within any image; one sample is added at either end.
+    """
+    low, high = float(begin - left), float(end - left)
+    for edge in range(3):
+        e, across = (row[0], row[1]) if edge == 0 else (row[2], row[3]) if edge == 1 else (row[4], row[5])
+        border = -(e + bound) / across
+        if across > 0.0:
+            low = max(low, border - 1.0)
+        elif across < 0.0:
+            high = min(high, border + 2.0)
+        elif e < -bound:
+            high = low
+    return left + int(low), left + int(max(high, low))
+
+
+@jit
+def note(
+    table: Floats, i: int, keys: Array, window: Window, limits: Limits | None, doubts: Array, counts: Array
+) -> None:
+    """Write down the doubts of a triangle that has just been taken into the keys."""
+    left, top, bound = int(table[LEFT + i]), int(table[TOP + i]), table[BOUND + i]
+    begin, end = columns_of(table, i, keys, window)
+    gap, number = window.gap, np.uint64(table[NUMBER + i])
+    for line in range(max(top, window.line), min(int(table[BOTTOM + i]), window.line + len(keys))):
+        row = row_of(table, i, float(line - top))
+        for column in range(begin, end):
+            inner, z = at(row, float(column - left), limits)
+            key, old = key_of(z, window.mask, number), keys[line - window.line, column - window.column]
+            sample = line * window.width + column
+            if abs(inner) < bound:
+                if not is_hidden(key, old, gap):
+                    write(doubts, counts, sample, key, False)
+            elif inner >= bound and key != old and key - old + gap <= gap + gap:
+                write(doubts, counts, sample, key, True)
+                write(doubts, counts, sample, old, True)
+
+
+@jit
+def suspect(table: Floats, i: int, keys: Array, window: Window, doubts: Array, counts: Array) -> None:
+    """Write down a triangle of which little is certain wherever it may be.
+
+    It may be turned either way, and is taken to be as near as its nearest corner.
+    """
+    left, top, bound = int(table[LEFT + i]), int(table[TOP + i]), table[BOUND + i]
+    begin, end = columns_of(table, i, keys, window)
+    key = key_of(max(table[NEAREST + i], 1.0), window.mask, np.uint64(table[NUMBER + i]))
+    for line in range(max(top, window.line), min(int(table[BOTTOM + i]), window.line + len(keys))):
+        row = row_of(table, i, float(line - top))
+        for column in range(begin, end):
+            right = float(column - left)
+            e0, e1, e2 = row[0] + right * row[1], row[2] + right * row[3], row[4] + right * row[5]
+            may_cover = min(min(e0, e1), e2) > -bound or max(max(e0, e1), e2) < bound
+            if may_cover and not is_hidden(key, keys[line - window.line, column - window.column], window.gap):
+                write(doubts, counts, line * window.width + column, key, False)
+
+
+@jit
+def is_hidden(key: np.uint64, old: np.uint64, gap: np.uint64) -> bool:
+    """Whether a key is certainly farther than what is there."""
+    return bool(old != EMPTY and key > old + gap)
+
+
+@jit
+def write(doubts: Array, counts: Array, sample: int, key: np.uint64, sure: bool) -> None:
+    """Write down one doubt, if there is room."""
+    if counts[USED] < len(doubts):
+        doubt = doubts[counts[USED]]
+        doubt["sample"], doubt["key"], doubt["sure"] = sample, key, sure
+    counts[USED] += 1
+
+
+@jit
+def settle(keys: Array, window: Window, doubts: Array, counts: Array) -> None:
+    """Forget doubts about what is certainly hidden; where some are left, add what the keys show."""
+    if counts[USED] > len(doubts):
+        return
+    kept = 0
+    for k in range(counts[USED]):
+        doubt = doubts[k]
+        line, column = divmod(doubt["sample"], window.width)
+        if not is_hidden(doubt["key"], keys[line - window.line, column - window.column], window.gap):
+            left = doubts[kept]
+            left["sample"], left["key"], left["sure"] = doubt["sample"], doubt["key"], doubt["sure"]
+            kept += 1
+    counts[USED] = kept
+    for k in range(kept):
+        sample = doubts[k]["sample"]
+        line, column = divmod(sample, window.width)
+        key = keys[line - window.line, column - window.column]
+        if key != EMPTY:
+            write(doubts, counts, sample, key, True)
+
+
+# ---------------------------------------------------------------- reading out
+
+
+@jit
+def read_out(keys: Array, window: Window, faces: Array, eye: Eye, face: Array, depth: Floats) -> None:
+    """Split the keys of a window into faces and depths.
+
+    Parameters
+    ----------
+    keys : (lines, columns + LANES) uint64
+    window : Window
+    faces : (n,) int32
+        Face of each triangle.
+    eye : Eye
+    face : (H, W) int32
+    depth : (H, W) float64
+        Of the image.
+    """
+    # Depths were cut off below the bits of the mask: on average by half a step.
+    step, half = 1.0 / eye.scale, 0.5 * (depth_of(~window.mask) - 1.0)
+    for row in range(len(keys)):
+        for i in range(keys.shape[1] - LANES):
+            key = keys[row, i]
+            nearness = eye.front - (depth_of(key & window.mask) + half - FRONT) * step
+            seen = 1.0 / nearness if eye.perspective else -nearness
+            depth[window.line + row, window.column + i] = seen if key != EMPTY else np.inf
+        for i in range(keys.shape[1] - LANES):
+            key = keys[row, i]
+            owner = faces[np.int64(key & ~window.mask)] if key != EMPTY else np.int32(-1)
+            face[window.line + row, window.column + i] = owner

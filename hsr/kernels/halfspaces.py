@@ -1,0 +1,260 @@
+"""Triangles on the screen as three half-planes and a plane of depth, with proven error bounds.
+
+A sample is inside a triangle if it is on the inner side of all three edges (Pineda, "A Parallel
+Algorithm for Polygon Rasterization", SIGGRAPH 1988). Each side is the sign of an edge function, affine
+on the screen. All is computed in float64, and every number comes with a bound of its error, so that a
+sign beyond the bound is proven (the static filters of Shewchuk, "Adaptive Precision Floating-Point
+Arithmetic and Fast Robust Geometric Predicates", 1997). In the derivations u is 2^-53, the relative
+error of one rounding; constants are rounded up generously, by a factor of two or so.
+
+On the screen x runs right and y down, in pixels; sample (row r, column c) is ``(c + 0.5, r + 0.5)``.
+Depth is nearness: 1 / d under perspective, -d in a parallel view, d along the view axis; the greater,
+the nearer; both are affine on the screen for the points of a plane. It is scaled to a *key depth* z
+that grows with distance from :data:`FRONT`, the nearest that may be seen, to :data:`BACK`.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from hsr.arrays import Array, Floats, Ints
+from hsr.jit import jit, parallel_jit, prange
+
+U = 2.0**-53
+"""Greatest relative error of one rounding."""
+
+FRONT, BACK = 1.125, 1.875
+"""Key depths of what is nearest and farthest: within [1, 2), where all float64 have one exponent."""
+
+LOOSE = 2.0**-4
+"""Greatest error of a projected vertex, in pixels, with which its triangles are set up here."""
+
+X, Y, NEARNESS, ERROR = range(4)
+"""Columns of the projected vertices: pixels from the top left corner of the image, nearness, and how far
+the true x and y may be away: infinite for a vertex at or behind the eye."""
+
+CLUSTER = 64
+"""Triangles in a table, set up side by side. Its parts follow each other, CLUSTER numbers each, in one array
+of one dimension: so the compiler knows them apart."""
+
+E0, E1, E2, ACROSS0, ACROSS1, ACROSS2, BELOW0, BELOW1, BELOW2, BOUND, AREA = range(0, 11 * CLUSTER, CLUSTER)
+"""Where the parts of a table begin: the edge functions at the first sample of a triangle's bounding box,
+positive inside, what they grow by from sample to sample to the right and below, a bound of their error, and
+twice the area, within the same bound."""
+
+Z, Z_X, Z_Y, Z_ERROR, NEAREST = range(11 * CLUSTER, 16 * CLUSTER, CLUSTER)
+"""The key depth there, its growth to the right and below, a bound of its error wherever the triangle is, and
+one of the least key depth of its corners."""
+
+LEFT, RIGHT, TOP, BOTTOM, CUT, NUMBER = range(16 * CLUSTER, 22 * CLUSTER, CLUSTER)
+"""The first column and row that a triangle may cover, and those after the last (no rows if it is left out);
+whether the near or the far plane may cut it; its number."""
+
+GATHERED = 22 * CLUSTER
+"""Where the corners gathered for the set-up begin: 12 parts, X to ERROR of each; then what is culled."""
+
+TABLE = 35 * CLUSTER
+"""Length of a table."""
+
+LANES = 16
+"""Samples tested at once: up to LANES - 1 to the right of a bounding box are tested with it."""
+
+CULL_BACK, CULL_FRONT = 1, 2
+
+
+class Eye(NamedTuple):
+    """What the kernels know of a view.
+
+    Attributes
+    ----------
+    perspective : bool
+    width, height : float
+        Of the image, in pixels.
+    error_x, error_y, error_d : float
+        Bounds of the errors of clip coordinates.
+    front, scale : float
+        Key depth is ``FRONT + (front - nearness) * scale``.
+    near, far : float
+        Key depths of the near and the far plane.
+    tie : float
+        Greatest error of a key depth that counts as certain; depths further apart than twice that differ.
+    """
+
+    perspective: bool
+    width: float
+    height: float
+    error_x: float
+    error_y: float
+    error_d: float
+    front: float
+    scale: float
+    near: float
+    far: float
+    tie: float
+
+
+@parallel_jit
+def project(vertices: Floats, rows: Floats, eye: Eye, screen: Floats) -> None:
+    """Project vertices, and bound the errors.
+
+    Parameters
+    ----------
+    vertices : (V, 3) float64
+        World space.
+    rows : (3, 4) float64
+        To clip space (x, y, d), see :func:`hsr.kernels.projection.clip_rows`.
+    eye : Eye
+        Its errors are those of the clip coordinates computed here.
+    screen : (V, 4) float64
+        Receives X to ERROR.
+    """
+    for i in prange(len(vertices)):
+        x, y, nearness, error = projected(vertices[i, 0], vertices[i, 1], vertices[i, 2], rows, eye)
+        screen[i, X], screen[i, Y], screen[i, NEARNESS], screen[i, ERROR] = x, y, nearness, error
+
+
+@jit
+def projected(px: float, py: float, pz: float, rows: Floats, eye: Eye) -> tuple[float, float, float, float]:
+    """Return X to ERROR of a point.
+
+    To first order x / d is off by (error_x + |x / d| error_d) / d and two roundings; scaling it to the
+    image rounds twice more numbers of at most |x / d| + 1. The width taken whole instead of
+    half doubles that, which covers the higher orders if error_d is less than half of d.
+    """
+    x = rows[0, 0] * px + rows[0, 1] * py + rows[0, 2] * pz + rows[0, 3]
+    y = rows[1, 0] * px + rows[1, 1] * py + rows[1, 2] * pz + rows[1, 3]
+    d = rows[2, 0] * px + rows[2, 1] * py + rows[2, 2] * pz + rows[2, 3]
+    nearness, w, error_w = (1.0 / d, 1.0 / d, eye.error_d) if eye.perspective else (-d, 1.0, 0.0)
+    x, y = x * w, y * w
+    error_x = (eye.error_x + abs(x) * error_w) * w + 4.0 * U * (abs(x) + 1.0)
+    error_y = (eye.error_y + abs(y) * error_w) * w + 4.0 * U * (abs(y) + 1.0)
+    error = max(error_x * eye.width, error_y * eye.height)
+    if eye.perspective and not d > 2.0 * eye.error_d:
+        error = np.inf
+    return (1.0 + x) * 0.5 * eye.width, (1.0 - y) * 0.5 * eye.height, nearness, error
+
+
+@jit
+def nearness_error(nearness: float, eye: Eye) -> float:
+    """Bound the error of a vertex's nearness.
+
+    1 / d is off by error_d / d^2 to first order, twice that if error_d is less than half of d, and by two
+    roundings.
+    """
+    if eye.perspective:
+        return nearness * (2.0 * nearness * eye.error_d + 2.0 * U)
+    return eye.error_d
+
+
+@jit
+def key_depth(nearness: float, eye: Eye) -> float:
+    """Return the key depth of a nearness."""
+    return FRONT + (eye.front - nearness) * eye.scale
+
+
+@jit
+def samples_between(least: float, most: float, error: float, count: float) -> tuple[float, float]:
+    """Return the first of ``count`` samples in a row between two places, and the one after the last.
+
+    Each place is within ``error`` of the true one; sample k lies at k + 0.5.
+    """
+    return np.ceil(max(least - error - 0.5, 0.0)), np.floor(min(most + error - 0.5, count - 1.0)) + 1.0
+
+
+@jit
+def set_up(screen: Floats, corner: Ints, cull: Array, first: int, eye: Eye, table: Floats) -> int:
+    """Set up at most CLUSTER triangles side by side; without branches, to become vector code.
+
+    Parameters
+    ----------
+    screen : (V, 4) float64
+    corner : (n, 3) int32
+        Counter-clockwise to the eye if seen from the front.
+    cull : (n,) int8
+        What not to draw: 0 nothing, 1 back faces, 2 front faces.
+    first : int
+        Number of the first triangle to set up.
+    eye : Eye
+    table : (TABLE,) float64
+        Receives the triangles. Left out is what is culled, beyond near or far, beside the image, and what
+        has a corner that is not certain within ``LOOSE``. Where AREA is not above BOUND, a triangle may be
+        edge-on, or turned the other way; such are not culled.
+
+    Returns
+    -------
+    int
+        How many there are.
+
+    Notes
+    -----
+    Let w and h be the width and height of the triangle, and t the error of its corners. Moving them by t
+    changes an edge function, a sum of two products of differences, by at most 3 t (w + h) + 4 t^2, and t
+    is at most ``LOOSE``; its roundings add up to less than 16 u w h. Both with a margin for the
+    samples beside the bounding box that are tested together with those within.
+
+    A point in a triangle is a mean of its corners, whatever they are exactly. So moving the corners by t
+    moves the depth there by at most t (|z_x| + |z_y|), and the errors of their depths count as they are.
+    Rounding changes the area by at most 4 u w h, and z_x, z_y by that relative to the area, and as much again
+    for the numerators, products of h or w and a difference of depths, which is at most w |z_x| + h |z_y|.
+    """
+    n = np.uintp(min(len(corner) - first, CLUSTER))
+    for i in range(n):
+        triangle = first + np.int64(i)
+        for k in range(3):
+            for part in range(4):
+                table[GATHERED + (4 * k + part) * CLUSTER + i] = screen[corner[triangle, k], part]
+        table[GATHERED + 12 * CLUSTER + i] = cull[triangle]
+        table[NUMBER + i] = triangle
+
+    for i in range(n):
+        ax, ay = table[GATHERED + i], table[GATHERED + CLUSTER + i]
+        az, a_error = table[GATHERED + 2 * CLUSTER + i], table[GATHERED + 3 * CLUSTER + i]
+        bx, by = table[GATHERED + 4 * CLUSTER + i], table[GATHERED + 5 * CLUSTER + i]
+        bz, b_error = table[GATHERED + 6 * CLUSTER + i], table[GATHERED + 7 * CLUSTER + i]
+        cx, cy = table[GATHERED + 8 * CLUSTER + i], table[GATHERED + 9 * CLUSTER + i]
+        cz, c_error = table[GATHERED + 10 * CLUSTER + i], table[GATHERED + 11 * CLUSTER + i]
+        t = max(max(a_error, b_error), c_error)
+
+        # Find the samples that it may cover.
+        least_x, most_x = min(min(ax, bx), cx), max(max(ax, bx), cx)
+        least_y, most_y = min(min(ay, by), cy), max(max(ay, by), cy)
+        left, right = samples_between(least_x, most_x, t, eye.width)
+        top, bottom = samples_between(least_y, most_y, t, eye.height)
+
+        # Take the edge functions of a -> b, b -> c and c -> a, turned inside out where the area is negative:
+        # that of a front is, for y runs down.
+        x, y = left + 0.5, top + 0.5
+        ux, uy, vx, vy, wx, wy = bx - ax, by - ay, cx - bx, cy - by, ax - cx, ay - cy
+        area = uy * wx - ux * wy
+        turn = -1.0 if area < 0.0 else 1.0
+        table[E0 + i] = turn * (ux * (y - ay) - uy * (x - ax))
+        table[E1 + i] = turn * (vx * (y - by) - vy * (x - bx))
+        table[E2 + i] = turn * (wx * (y - cy) - wy * (x - cx))
+        table[ACROSS0 + i], table[ACROSS1 + i], table[ACROSS2 + i] = -turn * uy, -turn * vy, -turn * wy
+        table[BELOW0 + i], table[BELOW1 + i], table[BELOW2 + i] = turn * ux, turn * vx, turn * wx
+        w, h = most_x - least_x, most_y - least_y
+        bound = 4.0 * t * (w + h + 20.0) + 32.0 * U * (w + 18.0) * (h + 2.0)
+        table[BOUND + i], table[AREA + i] = bound, turn * area
+
+        # Take the plane of depth through the corners.
+        uz, wz = (az - bz) * eye.scale, (cz - az) * eye.scale
+        z_x, z_y = (uy * wz - wy * uz) / area, (wx * uz - ux * wz) / area
+        table[Z + i] = key_depth(az, eye) + ((x - ax) * z_x + (y - ay) * z_y)
+        table[Z_X + i], table[Z_Y + i] = z_x, z_y
+        nearest, farthest = max(max(az, bz), cz), min(min(az, bz), cz)
+        slack = nearness_error(nearest, eye) * eye.scale
+        range_of_z = w * abs(z_x) + h * abs(z_y)
+        rounding = 32.0 * U * (1.0 + w * h / abs(area) * range_of_z)
+        table[Z_ERROR + i] = slack + t * (abs(z_x) + abs(z_y)) + rounding
+
+        # Leave out what is not certain enough, culled, beyond near or far, or beside all samples.
+        least_z, most_z = key_depth(nearest, eye) - slack, key_depth(farthest, eye) + slack
+        table[NEAREST + i] = least_z
+        table[CUT + i] = 1.0 if (least_z < eye.near) | (most_z > eye.far) else 0.0
+        culled = (table[GATHERED + 12 * CLUSTER + i] == (2.0 if area < 0.0 else 1.0)) & (abs(area) > bound)
+        shown = (t <= LOOSE) & (least_z <= eye.far) & (most_z >= eye.near) & (left < right)
+        table[LEFT + i], table[RIGHT + i], table[TOP + i] = left, right, top
+        table[BOTTOM + i] = bottom if shown & ~culled else top
+    return int(n)
