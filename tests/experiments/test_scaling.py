@@ -79,6 +79,9 @@ def test_no_crossover_within_the_noise_nor_within_a_family() -> None:
     flat, tilted = [1.0] * 5, [0.9, 0.95, 1.0, 1.05, 1.1]
     assert len(crossovers([curve("zbuffer", tilted), curve("raycast", flat)])) == 1
     assert crossovers([curve("zbuffer", tilted, blur=0.2), curve("raycast", flat)]) == []
+    begins_alike, ends_alike = [0.99, 0.9, 1.2, 1.5, 2.0], [0.5, 0.6, 0.8, 0.9, 1.01]
+    assert crossovers([curve("zbuffer", begins_alike, blur=0.05), curve("raycast", flat)]) == []
+    assert crossovers([curve("zbuffer", ends_alike, blur=0.05), curve("raycast", flat)]) == []
     assert crossovers([curve("raycast-single", tilted), curve("raycast", flat)]) == []
     assert crossovers([curve("zbuffer", tilted), curve("raycast", [2.0] * 5)]) == []
 

@@ -158,6 +158,19 @@ def test_culling_replaces_that_of_the_scene(make_scene: Any) -> None:
     assert culled == {"scene": 2, "none": 0, "back": 1}
 
 
+def test_every_turn_has_a_view_of_its_own(register: Any, cube: Case) -> None:
+    given: list[View] = []
+
+    def keep(view: View, _: Options) -> VisibilityMap:
+        given.append(view)
+        return painted(view)
+
+    register(keeper=keep)
+    measure([cube], ["keeper"], 3)
+    full = [view for view in given if view.width == 16]
+    assert len(full) == 4 and len({id(view.placements[0].shape) for view in [cube.view, *full]}) == 5
+
+
 def test_nothing_prepared_is_used_again(make_scene: Any) -> None:
     seen = make_case("c", make_scene(CUBE), (8, 8)).view
     prepared = seen.polygons
