@@ -17,10 +17,10 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from statistics import median
 
-import numba
 import numpy as np
 
 from hsr.experiments.results import Machine
+from hsr.jit import thread_count
 
 PACKAGES = ("hsr-lab", "numpy", "numba", "scipy", "moderngl", "embreex")
 VARIABLES = ("OMP_WAIT_POLICY", "GOMP_SPINCOUNT", "NUMBA_NUM_THREADS", "NUMBA_CPU_NAME", "LP_NUM_THREADS")
@@ -43,7 +43,7 @@ def equal_threads() -> int:
     int
         The number of threads.
     """
-    threads = int(numba.get_num_threads())
+    threads = int(thread_count())
     os.environ.setdefault("LP_NUM_THREADS", str(threads))
     return threads
 
@@ -55,7 +55,7 @@ def machine() -> Machine:
     for package in PACKAGES:
         with suppress(PackageNotFoundError):
             versions[package] = version(package)
-    threads = int(numba.get_num_threads())
+    threads = int(thread_count())
     return Machine(
         name=f"{re.sub('[^a-z0-9]+', '-', cpu.lower()).strip('-')}-{threads}",
         cpu=cpu,
