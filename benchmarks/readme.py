@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from hsr.experiments.publish import growth_markdown, publish, to_markdown
+from hsr.experiments.publish import to_markdown, to_svg
 from hsr.experiments.results import Results, load_results
 
 ROOT = Path(__file__).parent.parent
@@ -31,7 +31,7 @@ def section(found: list[Results]) -> str:
     for results in found:
         what = "How times grow" if results.scaling else "Speed against error"
         parts.append(f"![{what}](benchmarks/results/{results.stem}.svg)\n")
-        parts.append(growth_markdown(results) if results.scaling else to_markdown(results))
+        parts.append(to_markdown(results))
     return "\n".join([BEGIN, "", *parts, END])
 
 
@@ -51,7 +51,7 @@ def main() -> None:
         raise SystemExit(f"{RESULTS}: no results; measure with 'hsr bench ... -o benchmarks/results'")
     README.write_text(updated(README.read_text(encoding="utf-8"), found), encoding="utf-8")
     for results in found:
-        publish(results, RESULTS)
+        (RESULTS / f"{results.stem}.svg").write_text(to_svg(results), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -72,11 +72,11 @@ def run(
 
     Without scenes three built-in ones are measured; without -a the method each family is called after, and
     every peer; '-a all' adds all variants. Those that test each face at each sample sit out scenes that would
-    keep them busy for minutes, unless they are named. A method that is missing or fails keeps a row that says
+    keep them busy for long, unless they are named. A method that is missing or fails keeps a row that says
     why.
     """
-    from hsr.difference.study import PATIENCE
     from hsr.experiments.publish import table
+    from hsr.experiments.speed import PATIENCE
 
     sizes = [parse_size(text) for text in size or (["128"] if quick else ["512"])]
     cases = _cases(scenes or _built_in(), sizes, cull or ["scene"])
@@ -193,7 +193,8 @@ def scaling(
     quiet: Quiet = False,
 ) -> None:
     """Measure how times grow with triangles, pixels, layers behind each other, and copies."""
-    from hsr.experiments.scaling import HEAD, PATIENCE, growth, measured_cases, sentences, table
+    from hsr.experiments.scaling import HEAD, growth, measured_cases, sentences, table
+    from hsr.experiments.speed import PATIENCE
 
     cases = measured_cases(quick)
     found = _measured(cases, method, repeat, output, quiet, explain=False, patience=PATIENCE)

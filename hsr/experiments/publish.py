@@ -48,11 +48,14 @@ def publish(results: Results, folder: str | Path) -> list[Path]:
     HsrError
         If a file cannot be written.
     """
-    texts = {"json": results.to_json(), "csv": to_csv(results)}
-    if results.scaling:
-        texts |= {"md": growth_markdown(results), "svg": growth_svg(growth(results), SPEED.axis)}
-    else:
-        texts |= {"md": to_markdown(results), "svg": to_svg(results), "html": to_html(results)}
+    texts = {
+        "json": results.to_json(),
+        "csv": to_csv(results),
+        "md": to_markdown(results),
+        "svg": to_svg(results),
+    }
+    if not results.scaling:
+        texts["html"] = to_html(results)
     make_folder(Path(folder))
     files = {Path(folder) / f"{results.stem}.{ending}": text for ending, text in texts.items()}
     for path, text in files.items():  # all texts are there by now: nothing can fail but the disk
@@ -131,7 +134,9 @@ def why(row: Row) -> str:
 
 
 def to_markdown(results: Results) -> str:
-    """Return the tables of all cases with a line on the machine, as Markdown."""
+    """Return the tables of all cases, or of how times grow, with a line on the machine, as Markdown."""
+    if results.scaling:
+        return _growth_markdown(results)
     right = ("rank", *(metric.title for metric in TABLE))
     parts = [conditions(results)]
     for rows in results.cases.values():
@@ -139,8 +144,7 @@ def to_markdown(results: Results) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def growth_markdown(results: Results) -> str:
-    """Return the table of how times grow, who overtakes whom, and a line on the machine, as Markdown."""
+def _growth_markdown(results: Results) -> str:
     series = growth(results)
     lines = "\n".join(f"- {sentence}" for sentence in scaling.sentences(series))
     told = as_markdown(scaling.HEAD, scaling.table(series), scaling.HEAD[4:])
@@ -210,7 +214,9 @@ def _panel(rows: Sequence[Row]) -> Panel:
 
 
 def to_svg(results: Results) -> str:
-    """Return the chart for print."""
+    """Return the chart for print: speed against error, of a scaling run how times grow."""
+    if results.scaling:
+        return growth_svg(growth(results), SPEED.axis)
     return speed_svg(panels(results), ERROR.axis, SPEED.axis)
 
 

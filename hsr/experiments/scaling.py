@@ -35,9 +35,6 @@ from hsr.scene.model import Scene
 SIDE, QUICK_SIDE = 512, 128
 """Pixels a side, where they stay the same."""
 
-PATIENCE = 2.0**26
-"""Tests of a face at a sample that a scaling run waits for: well below a second on two cores."""
-
 KNOT = 20_000
 """Triangles of the knot that is seen by more and more pixels."""
 
