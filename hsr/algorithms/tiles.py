@@ -20,13 +20,13 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from hsr.algorithms.loose import loose_tables
+from hsr.algorithms.loose import loose_tables, loose_triangles
 from hsr.algorithms.resolve import resolve
 from hsr.arrays import Array, Floats, Ints
 from hsr.kernels import doubts, halfspaces, hierarchy, tiles
 from hsr.kernels.bounds import nearness_of
 from hsr.kernels.halfspaces import BACK, CLUSTER, FRONT, LOOSE, Eye, U
-from hsr.kernels.projection import clip_rows
+from hsr.kernels.projection import clip_rows, to_clip
 from hsr.scene.shapes import Shape
 from hsr.viewing import View, WorldPolygons
 from hsr.visibility import Clock, VisibilityMap, depth_format
@@ -193,7 +193,20 @@ def eye_of(view: View, mesh: Mesh) -> Eye:
     error = 16.0 * U * size + abs(rows[:, :3]) @ mesh.slack
     ends = np.stack([rows[2, :3] * low, rows[2, :3] * high])
     least, most = rows[2, 3] + ends.min(axis=0).sum(), rows[2, 3] + ends.max(axis=0).sum()
+    return eye_between(view, error, least, most)
 
+
+def eye_between(view: View, error: Floats, least: float, most: float) -> Eye:
+    """Measure a view of which all lies between two depths.
+
+    Parameters
+    ----------
+    view : View
+    error : (3,) float64
+        Bounds of the errors of clip coordinates (x, y, d).
+    least, most : float
+        The depths, in scene units.
+    """
     # Spread key depths over what may be seen, but not over less than can be told apart.
     near, far = nearness_of(view.near, view.perspective), nearness_of(view.far, view.perspective)
     closest = min(max(least, view.near), view.far)
@@ -234,7 +247,9 @@ def draw(
     extent = np.empty((len(mesh.low), 5))
     tiles.reach(mesh.low, mesh.high, rows, eye, extent)
     listed, todo = tiles.deal(extent, np.argsort(extent[:, 4], kind="stable"), view.height)
-    loose = loose_tables(view, mesh.vertices, mesh.corner, mesh.number, screen, eye)
+    chosen = loose_triangles(screen, mesh.corner, eye)
+    clip = to_clip(mesh.vertices[mesh.corner[chosen].ravel()], rows).reshape(-1, 3, 3)
+    loose = loose_tables(view, clip, mesh.number[chosen], chosen, eye)
     prepared = (screen, mesh.corner, mesh.cull, mesh.faces)
 
     found, total, room = [np.empty(0, doubts.DOUBT)], np.zeros(tiles.COUNTS, np.int64), ROOM

@@ -328,7 +328,7 @@ def settle(keys: Array, window: Window, doubts: Array, counts: Array) -> None:
 
 @jit
 def read_out(keys: Array, window: Window, faces: Array, eye: Eye, face: Array, depth: Floats) -> None:
-    """Split the keys of a window into faces and depths.
+    """Split the keys of a window, as far as it lies within the image, into faces and depths.
 
     Parameters
     ----------
@@ -343,13 +343,15 @@ def read_out(keys: Array, window: Window, faces: Array, eye: Eye, face: Array, d
     """
     # Depths were cut off below the bits of the mask: on average by half a step.
     step, half = 1.0 / eye.scale, 0.5 * (depth_of(~window.mask) - 1.0)
-    for row in range(len(keys)):
-        for i in range(keys.shape[1] - LANES):
+    lines = min(len(keys), len(face) - window.line)
+    columns = min(keys.shape[1] - LANES, face.shape[1] - window.column)
+    for row in range(lines):
+        for i in range(columns):
             key = keys[row, i]
             nearness = eye.front - (depth_of(key & window.mask) + half - FRONT) * step
             seen = 1.0 / nearness if eye.perspective else -nearness
             depth[window.line + row, window.column + i] = seen if key != EMPTY else np.inf
-        for i in range(keys.shape[1] - LANES):
+        for i in range(columns):
             key = keys[row, i]
             owner = faces[np.int64(key & ~window.mask)] if key != EMPTY else np.int32(-1)
             face[window.line + row, window.column + i] = owner

@@ -14,7 +14,7 @@ from hsr.arrays import Array, Floats, Ints
 from hsr.jit import jit
 
 LEAF = 8
-"""Most boxes in one leaf."""
+"""Most boxes in one leaf of the hierarchies for single rays."""
 
 INNER = -1
 """The ``count`` of a node that is no leaf."""
@@ -56,7 +56,7 @@ def build(low: Floats, high: Floats, nodes: Array) -> tuple[Ints, int]:
         Number of nodes.
     """
     code, order = radix_sort(morton_codes(low, high))
-    used = split(code, nodes)
+    used = split(code, LEAF, nodes["first"], nodes["count"])
     fit(low, high, order, nodes[:used])
     return order, used
 
@@ -139,19 +139,31 @@ def radix_sort(code: Array) -> tuple[Array, Ints]:
 
 
 @jit
-def split(code: Array, nodes: Array) -> int:
-    """Cut the sorted codes into a tree: ``first`` and ``count`` of its nodes; return their number."""
+def split(code: Array, leaf: int, first: Ints, count: Ints) -> int:
+    """Cut sorted codes into a tree with at most ``leaf`` of them in one leaf.
+
+    Parameters
+    ----------
+    code : (n,) uint32, ascending
+    leaf : int
+    first, count : (2 n,) int32
+        Receive those fields of the nodes, see :data:`NODE`.
+
+    Returns
+    -------
+    int
+        Number of nodes.
+    """
     pending = np.empty((STACK, 3), np.int64)
     pending[0] = 0, 0, len(code)
     used, waiting = 1, 1
     while waiting > 0:
         waiting -= 1
-        node = nodes[pending[waiting, 0]]
-        start, end = pending[waiting, 1], pending[waiting, 2]
-        if end - start <= LEAF:
-            node["first"], node["count"] = start, end - start
+        node, start, end = pending[waiting, 0], pending[waiting, 1], pending[waiting, 2]
+        if end - start <= leaf:
+            first[node], count[node] = start, end - start
             continue
-        node["first"], node["count"] = used, INNER
+        first[node], count[node] = used, INNER
         middle = parting(code, start, end)
         pending[waiting] = used + 1, middle, end
         pending[waiting + 1] = used, start, middle

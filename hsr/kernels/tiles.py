@@ -41,6 +41,7 @@ from hsr.kernels.halfspaces import (
     TABLE,
     TOP,
     Eye,
+    gather,
     key_depth,
     nearness_error,
     projected,
@@ -63,7 +64,7 @@ DRAWN, HIDDEN = 2, 3
 COUNTS = 4
 
 Cells = tuple[int, int, int, int]
-"""First and end row, first and end column of some cells of a strip."""
+"""First and end row, first and end column of some cells of a window."""
 
 
 # ---------------------------------------------------------------- clusters
@@ -217,12 +218,13 @@ def draw_strip(
 
     # Draw the clusters, nearest first, but for the hidden ones.
     for m in listed:
-        cells = cells_of(extent[m, 2] - first, extent[m, 3] - first, extent[m, 0], extent[m, 1], len(keys))
+        cells = cells_of(extent[m, 0], extent[m, 1], extent[m, 2], extent[m, 3], keys, window)
         if is_hidden(extent[m, 4] - eye.tie, cells, keys, farthest, stale):
             counts[HIDDEN] += 1
             continue
         counts[DRAWN] += 1
-        n = set_up(screen, corner, cull, m * CLUSTER, eye, table)
+        n = gather(screen, corner, cull, m * CLUSTER, table)
+        set_up(table, n, eye)
         draw_table(table, n, keys, window, eye, farthest, doubts, counts)
         stale[cells[0] : cells[1], cells[2] : cells[3]] = True
 
@@ -245,13 +247,12 @@ def draw_table(
     counts: Array,
 ) -> None:
     """Draw the first n triangles of a table, but for those behind all that their cells were known to show."""
-    lines, certify = len(keys), None if doubts is None else True
+    certify = None if doubts is None else True
     for i in range(n):
-        top = max(table[TOP + i] - window.line, 0.0)
-        bottom = min(table[BOTTOM + i] - window.line, float(lines))
-        if top >= bottom:
+        top, bottom = table[TOP + i], table[BOTTOM + i]
+        if not top < bottom:
             continue
-        cells = cells_of(top, bottom, table[LEFT + i], table[RIGHT + i], lines)
+        cells = cells_of(table[LEFT + i], table[RIGHT + i], top, bottom, keys, window)
         if is_behind(table[NEAREST + i] - eye.tie, cells, farthest):
             continue
         counts[TRIANGLES] += 1
@@ -268,15 +269,22 @@ def draw_table(
 
 
 @jit
-def cells_of(top: float, bottom: float, left: float, right: float, lines: int) -> Cells:
-    """Return the cells of some samples of a strip."""
-    first_row, end_row = max(int(top), 0) // CELL, (min(int(bottom), lines) - 1) // CELL + 1
-    return first_row, end_row, int(left) // CELL, (int(right) - 1) // CELL + 1
+def cells_of(left: float, right: float, top: float, bottom: float, keys: Array, window: Window) -> Cells:
+    """Return the cells of a window with samples from the first column and line to before the last.
+
+    Where the window has none of them, there is no row or no column of cells.
+    """
+    first_line, end_line = max(int(top) - window.line, 0), min(int(bottom) - window.line, len(keys))
+    first, end = max(int(left) - window.column, 0), min(int(right) - window.column, keys.shape[1] - LANES)
+    return first_line // CELL, (end_line - 1) // CELL + 1, first // CELL, (end - 1) // CELL + 1
 
 
 @jit
 def is_hidden(z: float, cells: Cells, keys: Array, farthest: Floats, stale: Array) -> bool:
-    """Whether a key depth lies behind all that some cells show; looks again at those drawn to since."""
+    """Whether a key depth lies behind all that some cells show; looks again at those drawn to since.
+
+    Where there are no cells, it does.
+    """
     for row in range(cells[0], cells[1]):
         for column in range(cells[2], cells[3]):
             if stale[row, column]:
