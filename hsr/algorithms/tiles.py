@@ -95,9 +95,8 @@ def render(view: View, options: Options) -> VisibilityMap:
         "uncertain": len(resolved.sample),
         "buffer_bytes": face.nbytes + depth.nbytes,
     }
-    return VisibilityMap(
-        face, depth, "zbuffer", work, clock.seconds, {"depth_format": _format(view, mesh, eye)}
-    )
+    notes = {"depth_format": format_of(view, len(mesh.corner), eye)}
+    return VisibilityMap(face, depth, "zbuffer", work, clock.seconds, notes)
 
 
 # ---------------------------------------------------------------- once a view
@@ -207,17 +206,19 @@ def eye_between(view: View, error: Floats, least: float, most: float) -> Eye:
     least, most : float
         The depths, in scene units.
     """
-    # Spread key depths over what may be seen, but not over less than can be told apart.
     near, far = nearness_of(view.near, view.perspective), nearness_of(view.far, view.perspective)
     closest = min(max(least, view.near), view.far)
     front = nearness_of(closest, view.perspective)
     back = nearness_of(max(min(most, view.far), closest), view.perspective)
-    scale = (BACK - FRONT) / max(front - back, 2.0**-12 * max(abs(front), abs(back)), np.finfo(float).tiny)
     size_of_image = (float(view.width), float(view.height))
-    eye = Eye(view.perspective, *size_of_image, error[0], error[1], error[2], front, scale, 0.0, 0.0, 0.0)
-    tie = max(TIE, 4.0 * halfspaces.nearness_error(front, eye) * scale)
+    eye = Eye(view.perspective, *size_of_image, error[0], error[1], error[2], front, 0.0, 0.0, 0.0, 0.0)
+
+    # Spread key depths over what may be seen, but not over less than can be told apart.
+    slack = halfspaces.nearness_error(front, eye)
+    apart = max(front - back, 2.0**-12 * max(abs(front), abs(back)), slack, np.finfo(float).tiny)
+    eye = eye._replace(scale=(BACK - FRONT) / apart)
     near_key, far_key = halfspaces.key_depth(near, eye), halfspaces.key_depth(far, eye)
-    return eye._replace(near=near_key, far=far_key, tie=min(tie, LOOSE))
+    return eye._replace(near=near_key, far=far_key, tie=min(max(TIE, 4.0 * slack * eye.scale), LOOSE))
 
 
 def draw(
@@ -268,16 +269,16 @@ def draw(
 
 def _number(mesh: Mesh, found: Array) -> Array:
     """Return which triangle each doubt is about."""
-    return (found["key"] & _number_bits(mesh)).astype(np.int64)
+    return (found["key"] & number_bits(len(mesh.corner))).astype(np.int64)
 
 
-def _number_bits(mesh: Mesh) -> np.uint64:
-    """Return the bits of a key that are the number of a triangle."""
-    return ~np.uint64(doubts.depth_mask(len(mesh.corner)))
+def number_bits(count: int) -> np.uint64:
+    """Return the bits of a key that tell so many triangles apart."""
+    return ~np.uint64(doubts.depth_mask(count))
 
 
-def _format(view: View, mesh: Mesh, eye: Eye) -> dict[str, Any]:
-    """Describe key depths as window depths, which fill the range from near to far."""
-    step = (float(_number_bits(mesh)) + 1.0) * 2.0**-64 / eye.scale
+def format_of(view: View, count: int, eye: Eye) -> dict[str, Any]:
+    """Describe the key depths of so many triangles as window depths, 0 at near and 1 at far."""
+    step = (float(number_bits(count)) + 1.0) * 2.0**-64 / eye.scale
     whole = nearness_of(view.near, view.perspective) - nearness_of(view.far, view.perspective)
     return depth_format("window", step / whole, view.near, view.far, view.perspective)

@@ -287,6 +287,31 @@ def suspect(table: Floats, i: int, keys: Array, window: Window, doubts: Array, c
 
 
 @jit
+def take(
+    key: np.uint64, line: int, column: int, keys: Array, window: Window, doubts: Array | None, counts: Array
+) -> None:
+    """Take one certain hit into the keys of a window, and write it down if it is not certainly nearer.
+
+    Parameters
+    ----------
+    key : uint64
+    line, column : int
+        The sample, in the image.
+    keys : (lines, columns + LANES) uint64
+    window : Window
+    doubts : (room,) DOUBT or None
+    counts : (COUNTS,) int64
+    """
+    row, place = line - window.line, column - window.column
+    old, gap = keys[row, place], np.uint64(0) if doubts is None else window.gap
+    if key + gap < old:
+        keys[row, place] = key
+    elif doubts is not None and key != old and key - old + gap <= gap + gap:
+        write(doubts, counts, line * window.width + column, key, True)
+        write(doubts, counts, line * window.width + column, old, True)
+
+
+@jit
 def is_hidden(key: np.uint64, old: np.uint64, gap: np.uint64) -> bool:
     """Whether a key is certainly farther than what is there."""
     return bool(old != EMPTY and key > old + gap)

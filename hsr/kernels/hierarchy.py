@@ -62,6 +62,31 @@ def build(low: Floats, high: Floats, nodes: Array) -> tuple[Ints, int]:
 
 
 @jit
+def tree_of(vertices: Floats, corner: Ints, leaf: int) -> tuple[Ints, Ints]:
+    """Build the tree of a hierarchy over triangles, without boxes.
+
+    Parameters
+    ----------
+    vertices : (V, 3) float64
+    corner : (n, 3) int32
+    leaf : int
+        Most triangles in one leaf.
+
+    Returns
+    -------
+    order : (n,) int32
+        The triangles in the order of the leaves.
+    tree : (N, 2) int32
+        ``first`` and ``count`` of each node, see :data:`NODE`.
+    """
+    low, high = boxes_of(vertices, corner)
+    code, order = radix_sort(morton_codes(low, high))
+    tree = np.empty((2 * len(code), 2), np.int32)
+    used = split(code, leaf, tree[:, 0], tree[:, 1])
+    return order, tree[:used].copy()
+
+
+@jit
 def boxes_of(vertices: Floats, corner: Ints) -> tuple[Floats, Floats]:
     """Return the opposite corners (n, 3) of the boxes around triangles of vertex indices (n, 3)."""
     n = len(corner)
