@@ -10,7 +10,7 @@ is the true one, ties included, curved shapes too.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
@@ -66,7 +66,6 @@ def render(view: View, certified: bool) -> VisibilityMap:
         mask = np.uint64(doubts.depth_mask(len(world.faces)))
         window = Window(0, 0, view.width, mask, np.uint64(doubts.gap_of(mask, eye.tie)))
         found, counts = _cast(view, world, rows, eye, window, room, picture, certified)
-        raytiles.show(picture.keys, window, world.faces, eye, picture.face, picture.depth)
         resolved = _resolved(view, found, picture.keys, window)
         picture.face.ravel()[resolved.sample] = resolved.face
         picture.depth.ravel()[resolved.sample] = resolved.depth
@@ -96,15 +95,18 @@ class Mesh(NamedTuple):
         Number of each triangle among the fans of the polygons.
     tree : (N, 2) int32
         ``first`` and ``count`` of the nodes, see :data:`hsr.kernels.hierarchy.NODE`.
+    box : (2, 3) float64
+        Opposite corners of the box around the shape, whatever it is.
     """
 
     vertices: Floats
     corner: Ints
     number: Ints
     tree: Ints
+    box: Floats
 
 
-NO_MESH = Mesh(np.empty((0, 3)), *(np.empty(shape, np.int32) for shape in ((0, 3), 0, (0, 2))))
+NOTHING = np.empty((0, 3)), *(np.empty(shape, np.int32) for shape in ((0, 3), 0, (0, 2)))
 
 MeshKind = tuple[Shape, bool]
 """A shape, and whether its object is mirrored: the fans of its polygons then run the other way round."""
@@ -115,13 +117,15 @@ _meshes: WeakKeyDictionary[Shape, dict[bool, Mesh]] = WeakKeyDictionary()
 def mesh_of(shape: Shape, mirrored: bool) -> Mesh:
     """Build the hierarchy of a shape, once for all its instances and views."""
     if shape.polygons is None:
-        return NO_MESH
+        return Mesh(*NOTHING, box_of(shape))
     built = _meshes.setdefault(shape, {})
     if mirrored not in built:
-        corner = reversed_loops(shape.polygons) if mirrored else shape.polygons.corner
-        polygons = replace(shape.polygons, corner=corner)
-        number, tree = hierarchy.tree_of(polygons.vertices, polygons.triangle_vertex, LEAF)
-        built[mirrored] = Mesh(polygons.vertices, polygons.triangle_vertex[number], number, tree)
+        polygons, box = shape.polygons, box_of(shape)
+        if mirrored:
+            polygons = replace(polygons, corner=reversed_loops(polygons))
+        number, tree = hierarchy.tree_of(polygons.vertices, polygons.triangle_vertex, box, LEAF)
+        corner = np.take(polygons.triangle_vertex, number, axis=0)
+        built[mirrored] = Mesh(polygons.vertices, corner, number, tree, box)
     return built[mirrored]
 
 
@@ -139,7 +143,7 @@ def box_of(shape: Shape) -> Floats:
     """Return the opposite corners (2, 3) of the box around a shape, object space."""
     if shape.polygons is None:
         return BOXES[shape.kind]
-    return np.stack([shape.polygons.vertices.min(axis=0), shape.polygons.vertices.max(axis=0)])
+    return hierarchy.box_of(shape.polygons.vertices)
 
 
 # ---------------------------------------------------------------- once a view
@@ -180,12 +184,12 @@ def _world(view: View, meshes: dict[MeshKind, Mesh]) -> World:
     members["cull"] = [placement.cull for placement in view.placements]
     members["piece"] = first_pieces(view)[:-1]
     members["quadric"] = NO_QUADRIC
-    box = np.array([box_of(shape) for shape, _ in meshes])
-    vertices, corner, number, tree = (_joined(list(parts)) for parts in zip(*meshes.values(), strict=True))
-    return World((vertices, corner, number, tree), members, box[which], _faces(view))
+    *shapes, boxes = zip(*meshes.values(), strict=True)
+    vertices, corner, number, tree = (_joined(parts) for parts in shapes)
+    return World((vertices, corner, number, tree), members, np.array(boxes)[which], _faces(view))
 
 
-def _joined(parts: list[Array]) -> Array:
+def _joined(parts: Sequence[Array]) -> Array:
     """Concatenate arrays; a single one is not copied."""
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
@@ -306,7 +310,7 @@ def _cast(
         shares = _shares(laid[0]["vertices"], SHARE_OF_VERTICES), _shares(laid[0]["nodes"], SHARE_OF_NODES)
         raytiles.lay_out(world.shapes, rows, eye, *shares, laid)
         loose = _loose(view, world, rows, eye, laid)
-        batch = Batch(world.shapes, laid, (quadrics, loose))
+        batch = Batch(world.shapes, laid, (quadrics, loose), world.faces)
         for one, counts in _cast_batch(batch, eye, window, picture, certified):
             found.append(one)
             total += counts
@@ -348,23 +352,21 @@ def _loose(view: View, world: World, rows: Floats, eye: Eye, laid: raytiles.Laid
     uncertain = np.flatnonzero(~(screen[:, ERROR] <= LOOSE))
     clip, pieces = [np.empty((0, 3, 3))], [np.empty(0, np.int64)]
     for member in members[np.unique(np.searchsorted(members["to_screen"], uncertain, "right") - 1)]:
-        own, projected = _own(world, member), screen[member["to_screen"] :][: member["vertices"]]
-        chosen = loose_triangles(projected, own.corner, eye)
-        corners = own.vertices[own.corner[chosen].ravel()]
-        clip.append(to_clip(corners, rows[member["object"]]).reshape(-1, 3, 3))
-        pieces.append(member["piece"] + own.number[chosen])
+        vertices, corner, number = _own(world, member)
+        projected = screen[member["to_screen"] :][: len(vertices)]
+        chosen = loose_triangles(projected, corner, eye)
+        clip.append(to_clip(vertices[corner[chosen].ravel()], rows[member["object"]]).reshape(-1, 3, 3))
+        pieces.append(member["piece"] + number[chosen])
     piece = np.concatenate(pieces)
     return loose_tables(view, np.concatenate(clip), piece, piece, eye)
 
 
-def _own(world: World, member: Array) -> Mesh:
-    """Return the mesh of a member."""
-    vertices, corner, number, tree = world.shapes
-    vertex, triangle, node = (
-        slice(member[start], member[start] + member[size])
-        for start, size in (("vertex", "vertices"), ("triangle", "triangles"), ("node", "nodes"))
-    )
-    return Mesh(vertices[vertex], corner[triangle], number[triangle], tree[node])
+def _own(world: World, member: Array) -> tuple[Floats, Ints, Ints]:
+    """Return the vertices, corners and numbers of a member's triangles."""
+    vertices, corner, number, _ = world.shapes
+    vertex = slice(member["vertex"], member["vertex"] + member["vertices"])
+    triangle = slice(member["triangle"], member["triangle"] + member["triangles"])
+    return vertices[vertex], corner[triangle], number[triangle]
 
 
 class Batch(NamedTuple):
@@ -373,6 +375,7 @@ class Batch(NamedTuple):
     shapes: raytiles.Shapes
     laid: raytiles.Laid
     special: tuple[Array, Floats]
+    faces: Ints
 
 
 def _cast_batch(
@@ -380,11 +383,13 @@ def _cast_batch(
 ) -> Iterator[tuple[Array, Array]]:
     """Cast all rays into a batch; yield doubts and counts of tiles."""
     listed, todo = _todo(batch, picture)
-    tiles, room = (picture.keys, picture.farthest), ROOM
+    tiles, room = (picture.keys, picture.farthest, batch.faces, picture.face, picture.depth), ROOM
     while len(todo):
         counts = np.zeros((len(todo), raytiles.COUNTS), np.int64)
         noted = np.empty((len(todo), room), doubts.DOUBT) if certified else None
-        raytiles.cast(*batch, listed, todo, eye, window, tiles, noted, counts)
+        raytiles.cast(
+            batch.shapes, batch.laid, batch.special, listed, todo, eye, window, tiles, noted, counts
+        )
         used = counts[:, doubts.USED]
         done = used <= room
         parts = [] if noted is None else [noted[k, : used[k]] for k in np.flatnonzero(done & (used > 0))]

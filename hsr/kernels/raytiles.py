@@ -92,6 +92,10 @@ Shapes = tuple[Floats, Ints, Ints, Ints]
 triangles, in the order of the leaves; ``first`` and ``count`` (N, 2) of the nodes. Each counts from the start
 of its own mesh."""
 
+Tiles = tuple[Array, Floats, Ints, Ints, Floats]
+"""Keys (rows, columns, SIDE, SIDE + LANES) uint64 of the tiles, and the farthest key depth of each of their
+cells (rows, columns, CELLS, CELLS); the face of each piece, and the image: face and depth (H, W)."""
+
 Laid = tuple[Array, Floats, Floats, Floats]
 """A batch: members (m,) MEMBER, nearest first, and their extents (m, 5): first and end column, first and end
 line, and a bound of the least key depth; projected vertices (v, 4), see ``halfspaces.project``; the extents
@@ -233,7 +237,7 @@ def cast(
     todo: Array,
     eye: Eye,
     first: Window,
-    tiles: tuple[Array, Floats],
+    tiles: Tiles,
     doubts: Array | None,
     counts: Array,
 ) -> None:
@@ -252,9 +256,7 @@ def cast(
     eye : Eye
     first : Window
         That of the first tile.
-    tiles : tuple
-        Keys (rows, columns, SIDE, SIDE + LANES) uint64, and the farthest key depth of each cell (rows,
-        columns, CELLS, CELLS) float64.
+    tiles : Tiles
     doubts : (k, room) DOUBT or None
     counts : (k, COUNTS) int64
     """
@@ -273,13 +275,14 @@ def cast_tile(
     tile: Array,
     eye: Eye,
     first: Window,
-    tiles: tuple[Array, Floats],
+    tiles: Tiles,
     doubts: Array | None,
     counts: Array,
 ) -> None:
     """Cast the rays of one tile into the listed members and all loose triangles."""
     quadrics, loose = special
-    keys, farthest = tiles[0][tile[0], tile[1]], tiles[1][tile[0], tile[1]]
+    all_keys, all_farthest, faces, face, depth = tiles
+    keys, farthest = all_keys[tile[0], tile[1]], all_farthest[tile[0], tile[1]]
     window = Window(tile[0] * SIDE, tile[1] * SIDE, first.width, first.mask, first.gap)
     stale = np.zeros((CELLS, CELLS), np.bool_)
     members, extent = laid[0], laid[1]
@@ -305,6 +308,7 @@ def cast_tile(
         for column in range(CELLS):
             if stale[row, column]:
                 farthest[row, column] = farthest_in(keys, row * CELL, column * CELL)
+    read_out(keys, window, faces, eye, face, depth)
 
 
 @jit
@@ -360,26 +364,3 @@ def gather_leaf(
             for part in range(4):
                 table[GATHERED + (4 * k + part) * CLUSTER + i] = screen[to_screen + corner[triangle, k], part]
         table[CULL + i], table[NUMBER + i] = cull, piece + number[triangle]
-
-
-# ---------------------------------------------------------------- reading out
-
-
-@parallel_jit
-def show(keys: Array, first: Window, faces: Ints, eye: Eye, face: Ints, depth: Floats) -> None:
-    """Split the keys of all tiles into faces and depths.
-
-    Parameters
-    ----------
-    keys, first
-        See :func:`cast`.
-    faces : (pieces,) int32
-        Face of each piece.
-    eye : Eye
-    face : (H, W) int32
-    depth : (H, W) float64
-    """
-    for row in prange(len(keys)):
-        for column in range(keys.shape[1]):
-            window = Window(row * SIDE, column * SIDE, first.width, first.mask, first.gap)
-            read_out(keys[row, column], window, faces, eye, face, depth)
