@@ -20,13 +20,13 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from hsr.algorithms.loose import loose_tables
+from hsr.algorithms.loose import loose_tables, loose_triangles
 from hsr.algorithms.resolve import resolve
 from hsr.arrays import Array, Floats, Ints
 from hsr.kernels import doubts, halfspaces, hierarchy, tiles
 from hsr.kernels.bounds import nearness_of
 from hsr.kernels.halfspaces import BACK, CLUSTER, FRONT, LOOSE, Eye, U
-from hsr.kernels.projection import clip_rows
+from hsr.kernels.projection import clip_rows, to_clip
 from hsr.scene.shapes import Shape
 from hsr.viewing import View, WorldPolygons
 from hsr.visibility import Clock, VisibilityMap, depth_format
@@ -95,9 +95,8 @@ def render(view: View, options: Options) -> VisibilityMap:
         "uncertain": len(resolved.sample),
         "buffer_bytes": face.nbytes + depth.nbytes,
     }
-    return VisibilityMap(
-        face, depth, "zbuffer", work, clock.seconds, {"depth_format": _format(view, mesh, eye)}
-    )
+    notes = {"depth_format": format_of(view, len(mesh.corner), eye)}
+    return VisibilityMap(face, depth, "zbuffer", work, clock.seconds, notes)
 
 
 # ---------------------------------------------------------------- once a view
@@ -202,19 +201,35 @@ def eye_of(view: View, mesh: Mesh) -> Eye:
     error = 16.0 * U * size + abs(rows[:, :3]) @ mesh.slack
     ends = np.stack([rows[2, :3] * low, rows[2, :3] * high])
     least, most = rows[2, 3] + ends.min(axis=0).sum(), rows[2, 3] + ends.max(axis=0).sum()
+    return eye_between(view, error, least, most)
 
-    # Spread key depths over what may be seen, but not over less than can be told apart.
+
+def eye_between(view: View, error: Floats, least: float, most: float) -> Eye:
+    """Measure a view of which all lies between two depths.
+
+    Parameters
+    ----------
+    view : View
+    error : (3,) float64
+        Bounds of the errors of clip coordinates (x, y, d).
+    least, most : float
+        The depths, in scene units.
+    """
     near, far = nearness_of(view.near, view.perspective), nearness_of(view.far, view.perspective)
     closest = min(max(least, view.near), view.far)
     front = nearness_of(closest, view.perspective)
     back = nearness_of(max(min(most, view.far), closest), view.perspective)
-    scale = (BACK - FRONT) / max(front - back, 2.0**-12 * max(abs(front), abs(back)), np.finfo(float).tiny)
     size_of_image = (float(view.width), float(view.height))
-    eye = Eye(view.perspective, *size_of_image, error[0], error[1], error[2], front, scale, 0.0, 0.0, 0.0)
+    eye = Eye(view.perspective, *size_of_image, error[0], error[1], error[2], front, 0.0, 0.0, 0.0, 0.0)
+
+    # Spread key depths over what may be seen, but not over less than can be told apart.
     with np.errstate(over="ignore"):  # an infinite bound is a bound
-        tie = max(TIE, 4.0 * halfspaces.nearness_error(front, eye) * scale)
+        slack = halfspaces.nearness_error(front, eye)
+    apart = max(front - back, 2.0**-12 * max(abs(front), abs(back)), slack, np.finfo(float).tiny)
+    eye = eye._replace(scale=(BACK - FRONT) / apart)
+    with np.errstate(over="ignore"):
         near_key, far_key = halfspaces.key_depth(near, eye), halfspaces.key_depth(far, eye)
-    return eye._replace(near=near_key, far=far_key, tie=min(tie, LOOSE))
+    return eye._replace(near=near_key, far=far_key, tie=min(max(TIE, 4.0 * slack * eye.scale), LOOSE))
 
 
 def draw(
@@ -243,8 +258,11 @@ def draw(
     halfspaces.project(mesh.vertices, rows, eye, screen)
     extent = np.empty((len(mesh.low), 5))
     tiles.reach(mesh.low, mesh.high, rows, eye, extent)
-    listed, todo = tiles.deal(extent, np.argsort(extent[:, 4], kind="stable"), view.width, view.height)
-    loose = loose_tables(view, mesh.vertices, mesh.corner, mesh.number, screen, eye)
+    order, size = np.argsort(extent[:, 4], kind="stable"), (view.width, view.height)
+    listed, todo = tiles.deal(extent, order, size, (tiles.COLUMNS, tiles.LINES))
+    chosen = loose_triangles(screen, mesh.corner, eye)
+    clip = to_clip(mesh.vertices[mesh.corner[chosen].ravel()], rows).reshape(-1, 3, 3)
+    loose = loose_tables(view, clip, mesh.number[chosen], chosen, eye)
     prepared = (screen, mesh.corner, mesh.cull, mesh.faces)
 
     found, total, room = [np.empty(0, doubts.DOUBT)], np.zeros(tiles.COUNTS, np.int64), ROOM
@@ -263,16 +281,16 @@ def draw(
 
 def _number(mesh: Mesh, found: Array) -> Array:
     """Return which triangle each doubt is about."""
-    return np.asarray(found["key"] & _number_bits(mesh))
+    return np.asarray(found["key"] & number_bits(len(mesh.corner)))
 
 
-def _number_bits(mesh: Mesh) -> int:
-    """Return the bits of a key that are the number of a triangle."""
-    return int(doubts.EMPTY) - int(doubts.depth_mask(len(mesh.corner)))
+def number_bits(count: int) -> int:
+    """Return the bits of a key that tell so many triangles apart."""
+    return int(doubts.EMPTY) - int(doubts.depth_mask(count))
 
 
-def _format(view: View, mesh: Mesh, eye: Eye) -> dict[str, Any]:
-    """Describe key depths as window depths, which fill the range from near to far."""
-    step = (_number_bits(mesh) + 1.0) * 2.0**-63 / eye.scale
+def format_of(view: View, count: int, eye: Eye) -> dict[str, Any]:
+    """Describe the key depths of so many triangles as window depths, 0 at near and 1 at far."""
+    step = (number_bits(count) + 1.0) * 2.0**-63 / eye.scale
     whole = nearness_of(view.near, view.perspective) - nearness_of(view.far, view.perspective)
     return depth_format("window", step / whole, view.near, view.far, view.perspective)

@@ -42,6 +42,7 @@ from hsr.kernels.halfspaces import (
     TABLE,
     TOP,
     Eye,
+    gather,
     key_depth,
     nearness_error,
     projected,
@@ -65,7 +66,7 @@ DRAWN, HIDDEN = 2, 3
 COUNTS = 4
 
 Cells = tuple[int, int, int, int]
-"""First and end row, first and end column of some cells of a tile."""
+"""First and end row, first and end column of some cells of a window."""
 
 
 # ---------------------------------------------------------------- clusters
@@ -116,30 +117,33 @@ def reach_box(low: Floats, high: Floats, rows: Floats, eye: Eye) -> tuple[float,
 
 
 @jit
-def deal(extent: Floats, order: Array, width: int, height: int) -> tuple[Ints, Array]:
-    """List the clusters of each tile of the image, nearest first.
+def deal(extent: Floats, order: Array, size: tuple[int, int], side: tuple[int, int]) -> tuple[Ints, Array]:
+    """List for each tile of the image what may cover some of it, in its order.
 
     Parameters
     ----------
     extent : (n, 5) float64
+        First and end column, first and end line of each thing; the rest is not read.
     order : (n,) int64
-        Clusters from near to far.
-    width, height : int
+    size : (width, height)
+        Of the image.
+    side : (columns, lines)
+        Of a tile.
 
     Returns
     -------
     listed : (m,) int32
-        Clusters, list after list.
+        List after list.
     tiles : (T, 4) int64
         Row and column of a tile, where its list begins and where it ends. They come scattered over the
         image, so that threads that take equal parts have about equal work.
     """
-    columns = -(-width // COLUMNS)
-    number = -(-height // LINES) * columns
+    columns = -(-size[0] // side[0])
+    number = -(-size[1] // side[1]) * columns
     seen = order[(extent[order, 0] < extent[order, 1]) & (extent[order, 2] < extent[order, 3])]
     place = np.zeros(number + 1, np.int64)
     for m in seen:
-        first_row, end_row, first_column, end_column = tiles_of(extent[m])
+        first_row, end_row, first_column, end_column = tiles_of(extent[m], side)
         for row in range(first_row, end_row):
             place[row * columns + first_column + 1 : row * columns + end_column + 1] += 1
     place = np.cumsum(place)
@@ -148,7 +152,7 @@ def deal(extent: Floats, order: Array, width: int, height: int) -> tuple[Ints, A
         tiles[k] = tile // columns, tile % columns, place[tile], place[tile + 1]
     listed = np.empty(place[-1], np.int32)
     for m in seen:
-        first_row, end_row, first_column, end_column = tiles_of(extent[m])
+        first_row, end_row, first_column, end_column = tiles_of(extent[m], side)
         for row in range(first_row, end_row):
             for tile in range(row * columns + first_column, row * columns + end_column):
                 listed[place[tile]] = m
@@ -157,13 +161,13 @@ def deal(extent: Floats, order: Array, width: int, height: int) -> tuple[Ints, A
 
 
 @jit
-def tiles_of(extent: Floats) -> tuple[int, int, int, int]:
-    """Return the first and end row, first and end column of the tiles that a cluster may cover."""
+def tiles_of(extent: Floats, side: tuple[int, int]) -> tuple[int, int, int, int]:
+    """Return the first and end row, first and end column of the tiles in an extent."""
     return (
-        int(extent[2]) // LINES,
-        (int(extent[3]) - 1) // LINES + 1,
-        int(extent[0]) // COLUMNS,
-        (int(extent[1]) - 1) // COLUMNS + 1,
+        int(extent[2]) // side[1],
+        (int(extent[3]) - 1) // side[1] + 1,
+        int(extent[0]) // side[0],
+        (int(extent[1]) - 1) // side[0] + 1,
     )
 
 
@@ -233,12 +237,13 @@ def draw_tile(
 
     # Draw the clusters, nearest first, but for the hidden ones.
     for m in listed:
-        cells = cells_of(extent[m, 2], extent[m, 3], extent[m, 0], extent[m, 1], keys, window)
+        cells = cells_of(extent[m, 0], extent[m, 1], extent[m, 2], extent[m, 3], keys, window)
         if is_hidden(extent[m, 4] - eye.tie, cells, keys, farthest, stale):
             counts[HIDDEN] += 1
             continue
         counts[DRAWN] += 1
-        n = set_up(screen, corner, cull, m * CLUSTER, eye, table)
+        n = gather(screen, corner, cull, m * CLUSTER, table)
+        set_up(table, n, eye)
         draw_table(table, n, keys, window, eye, farthest, doubts, counts)
         stale[cells[0] : cells[1], cells[2] : cells[3]] = True
         drawn[cells[0] : cells[1], cells[2] : cells[3]] = True
@@ -284,7 +289,9 @@ def draw_table(
     """Draw the first n triangles of a table, but for those behind all that their cells were known to show."""
     certify = None if doubts is None else True
     for i in range(n):
-        cells = cells_of(table[TOP + i], table[BOTTOM + i], table[LEFT + i], table[RIGHT + i], keys, window)
+        if not table[TOP + i] < table[BOTTOM + i]:
+            continue
+        cells = cells_of(table[LEFT + i], table[RIGHT + i], table[TOP + i], table[BOTTOM + i], keys, window)
         if cells[0] >= cells[1] or cells[2] >= cells[3]:
             continue
         if is_behind(table[NEAREST + i] - eye.tie, cells, farthest):
@@ -303,7 +310,7 @@ def draw_table(
 
 
 @jit
-def cells_of(top: float, bottom: float, left: float, right: float, keys: Array, window: Window) -> Cells:
+def cells_of(left: float, right: float, top: float, bottom: float, keys: Array, window: Window) -> Cells:
     """Return the cells of the samples of a window in a box of the image; none if there are none."""
     lines, columns = len(keys), keys.shape[1] - LANES
     first_line, end_line = max(int(top) - window.line, 0), min(int(bottom) - window.line, lines)
@@ -320,7 +327,10 @@ def cells_of(top: float, bottom: float, left: float, right: float, keys: Array, 
 
 @jit
 def is_hidden(z: float, cells: Cells, keys: Array, farthest: Floats, stale: Array) -> bool:
-    """Whether a key depth lies behind all that some cells show; looks again at those drawn to since."""
+    """Whether a key depth lies behind all that some cells show; looks again at those drawn to since.
+
+    Where there are no cells, it does.
+    """
     for row in range(cells[0], cells[1]):
         for column in range(cells[2], cells[3]):
             if stale[row, column]:

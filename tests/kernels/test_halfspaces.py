@@ -67,7 +67,9 @@ def set_up(view: View) -> Iterator[tuple[list[Point], dict[str, float], hs.Eye]]
         name: getattr(hs, name) for name in names if getattr(hs, name) in range(0, hs.GATHERED, hs.CLUSTER)
     }
     for first in range(0, len(mesh.corner), hs.CLUSTER):
-        for i in range(hs.set_up(screen, mesh.corner, mesh.cull, first, eye, table)):
+        count = hs.gather(screen, mesh.corner, mesh.cull, first, table)
+        hs.set_up(table, count, eye)
+        for i in range(count):
             entry = {name: float(table[part + i]) for name, part in parts.items()}
             if entry["BOTTOM"] > entry["TOP"]:
                 corners = [exact[v] for v in mesh.corner[int(entry["NUMBER"])]]
