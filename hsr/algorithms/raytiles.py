@@ -22,6 +22,7 @@ from hsr.algorithms.loose import loose_tables, loose_triangles
 from hsr.algorithms.resolve import Resolved, first_pieces, resolve
 from hsr.algorithms.tiles import eye_between, format_of
 from hsr.arrays import Array, Floats, Ints
+from hsr.jit import one_by_one
 from hsr.kernels import doubts, hierarchy, raytiles
 from hsr.kernels.doubts import Window
 from hsr.kernels.halfspaces import CLUSTER, ERROR, LANES, LOOSE, Eye, U
@@ -106,8 +107,6 @@ class Mesh(NamedTuple):
     box: Floats
 
 
-NOTHING = np.empty((0, 3)), *(np.empty(shape, np.int32) for shape in ((0, 3), 0, (0, 2)))
-
 MeshKind = tuple[Shape, bool]
 """A shape, and whether its object is mirrored: the fans of its polygons then run the other way round."""
 
@@ -117,7 +116,8 @@ _meshes: WeakKeyDictionary[Shape, dict[bool, Mesh]] = WeakKeyDictionary()
 def mesh_of(shape: Shape, mirrored: bool) -> Mesh:
     """Build the hierarchy of a shape, once for all its instances and views."""
     if shape.polygons is None:
-        return Mesh(*NOTHING, box_of(shape))
+        nothing = (np.empty((0, 3), np.int32), np.empty(0, np.int32), np.empty((0, 2), np.int32))
+        return Mesh(np.empty((0, 3)), *nothing, box_of(shape))
     built = _meshes.setdefault(shape, {})
     if mirrored not in built:
         polygons, box = shape.polygons, box_of(shape)
@@ -253,7 +253,7 @@ def _room(members: Array) -> Room:
 def clip_matrices(view: View) -> Floats:
     """Return the matrices (n, 3, 4) that carry the objects' points (x, y, z, 1) to clip space (x, y, d)."""
     matrices = np.array([placement.world_from_object for placement in view.placements])
-    return clip_rows(view.clip_from_world, view.depth_row) @ matrices
+    return np.asarray(clip_rows(view.clip_from_world, view.depth_row) @ matrices)
 
 
 def eye_of(view: View, world: World, rows: Floats) -> Eye:
@@ -358,7 +358,7 @@ def _loose(view: View, world: World, rows: Floats, eye: Eye, laid: raytiles.Laid
         clip.append(to_clip(vertices[corner[chosen].ravel()], rows[member["object"]]).reshape(-1, 3, 3))
         pieces.append(member["piece"] + number[chosen])
     piece = np.concatenate(pieces)
-    return loose_tables(view, np.concatenate(clip), piece, piece, eye)
+    return loose_tables(view, np.concatenate(clip), piece.astype(np.int32), piece, eye)
 
 
 def _own(world: World, member: Array) -> tuple[Floats, Ints, Ints]:
@@ -387,9 +387,10 @@ def _cast_batch(
     while len(todo):
         counts = np.zeros((len(todo), raytiles.COUNTS), np.int64)
         noted = np.empty((len(todo), room), doubts.DOUBT) if certified else None
-        raytiles.cast(
-            batch.shapes, batch.laid, batch.special, listed, todo, eye, window, tiles, noted, counts
-        )
+        with one_by_one():
+            raytiles.cast(
+                batch.shapes, batch.laid, batch.special, listed, todo, eye, window, tiles, noted, counts
+            )
         used = counts[:, doubts.USED]
         done = used <= room
         parts = [] if noted is None else [noted[k, : used[k]] for k in np.flatnonzero(done & (used > 0))]

@@ -23,6 +23,7 @@ import numpy as np
 from hsr.algorithms.loose import loose_tables, loose_triangles
 from hsr.algorithms.resolve import resolve
 from hsr.arrays import Array, Floats, Ints
+from hsr.jit import one_by_one
 from hsr.kernels import doubts, halfspaces, hierarchy, tiles
 from hsr.kernels.bounds import nearness_of
 from hsr.kernels.halfspaces import BACK, CLUSTER, FRONT, LOOSE, Eye, U
@@ -34,7 +35,7 @@ from hsr.visibility import Clock, VisibilityMap, depth_format
 TIE = 2.0**-36
 """Least error of a key depth, in which all that may be seen lies 0.75 apart, that counts as certain."""
 
-ROOM = 256
+ROOM = 64
 """Doubts of a tile for which there is room at first; a tile with more is drawn again."""
 
 
@@ -269,7 +270,8 @@ def draw(
     while len(todo):
         counts = np.zeros((len(todo), tiles.COUNTS), np.int64)
         noted = np.empty((len(todo), room), doubts.DOUBT) if certified else None
-        tiles.rasterise(prepared, extent, listed, todo, loose, eye, noted, counts, *answer)
+        with one_by_one():
+            tiles.rasterise(prepared, extent, listed, todo, loose, eye, noted, counts, *answer)
         used = counts[:, doubts.USED]
         if noted is not None:
             found += [noted[k, : used[k]] for k in np.flatnonzero(used <= room)]

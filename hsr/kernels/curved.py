@@ -92,7 +92,7 @@ def affine(c: Floats, x: float, y: float) -> float:
 @jit
 def quadratic(c: Floats, x: float, y: float) -> float:
     """Return ``c . (1, x, y, x^2, x y, y^2)``."""
-    return c[0] + (c[1] + c[3] * x + c[4] * y) * x + (c[2] + c[5] * y) * y
+    return float(c[0] + (c[1] + c[3] * x + c[4] * y) * x + (c[2] + c[5] * y) * y)
 
 
 @jit

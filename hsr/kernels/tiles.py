@@ -57,9 +57,6 @@ line of its depths is a page of memory: narrow tiles took three times as long to
 CELL = 16
 """Side in samples of the cells whose farthest depth is known."""
 
-GOLDEN = 0.6180339887498949
-"""Its multiples, modulo 1, cut [0, 1) evenly however many there are."""
-
 DRAWN, HIDDEN = 2, 3
 """Columns of the counts of a tile, after those of its window: clusters looked into, and hidden ones."""
 
@@ -135,8 +132,7 @@ def deal(extent: Floats, order: Array, size: tuple[int, int], side: tuple[int, i
     listed : (m,) int32
         List after list.
     tiles : (T, 4) int64
-        Row and column of a tile, where its list begins and where it ends. They come scattered over the
-        image, so that threads that take equal parts have about equal work.
+        Row and column of a tile, where its list begins and where it ends; the longest list first.
     """
     columns = -(-size[0] // side[0])
     number = -(-size[1] // side[1]) * columns
@@ -148,7 +144,7 @@ def deal(extent: Floats, order: Array, size: tuple[int, int], side: tuple[int, i
             place[row * columns + first_column + 1 : row * columns + end_column + 1] += 1
     place = np.cumsum(place)
     tiles = np.empty((number, 4), np.int64)
-    for k, tile in enumerate(np.argsort(np.arange(number) * GOLDEN % 1.0)):
+    for k, tile in enumerate(np.argsort(place[:-1] - place[1:], kind="mergesort")):
         tiles[k] = tile // columns, tile % columns, place[tile], place[tile + 1]
     listed = np.empty(place[-1], np.int32)
     for m in seen:
