@@ -1,7 +1,7 @@
 """The depth buffer, certified: half-space tests in float64, and what they leave in doubt decided exactly.
 
 The same contract as :mod:`hsr.algorithms.scanline`, by another kernel, several times faster. Vertices are
-projected, with bounds of their errors; clusters of triangles go through strips of the image, nearest first,
+projected, with bounds of their errors; clusters of triangles go through tiles of the image, nearest first,
 while those behind what is already there are left out (:mod:`hsr.kernels.tiles`). Every decision that rounding
 might turn is noted instead of taken, and taken afterwards in exact arithmetic
 (:mod:`hsr.algorithms.resolve`). So the face of every sample is the true one, ties included: that of
@@ -35,7 +35,7 @@ TIE = 2.0**-36
 """Least error of a key depth, in which all that may be seen lies 0.75 apart, that counts as certain."""
 
 ROOM = 256
-"""Doubts of a strip for which there is room at first; a strip with more is drawn again."""
+"""Doubts of a tile for which there is room at first; a tile with more is drawn again."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def render(view: View, options: Options) -> VisibilityMap:
         elsewhere its inverse (under perspective; in a parallel view it itself) is within 2^-35 of the
         range of what is seen. ``seconds``: ``prepare`` puts the triangles into world space and in order,
         and makes room for the answer; ``render`` is all the rest. ``work``: ``triangles``,
-        ``clusters_drawn`` and ``clusters_hidden``, ``triangles_drawn``, each once for every strip of the
+        ``clusters_drawn`` and ``clusters_hidden``, ``triangles_drawn``, each once for every tile of the
         image, ``uncertain`` samples, which were decided exactly, and ``buffer_bytes``, those of the answer.
     """
     clock = Clock()
@@ -145,12 +145,13 @@ def mesh_of(view: View) -> Mesh:
 def clustered(view: View, chosen: Array, faces: Ints) -> Mesh:
     """Put some triangles (n,) of the fans in clusters; ``faces`` (all,) is what they shall show."""
     polygons = view.polygons
+    vertex, place = along_the_curve(polygons.vertices, polygons.vertices)
     low, high = hierarchy.boxes_of(polygons.vertices, polygons.triangle_vertex[chosen])
-    _, order = hierarchy.radix_sort(hierarchy.morton_codes(low, high))
+    order, _ = along_the_curve(low, high)
     number, first = chosen[order].astype(np.int32), np.arange(0, len(order), CLUSTER)
     return Mesh(
-        polygons.vertices,
-        polygons.triangle_vertex[number],
+        polygons.vertices[vertex],
+        place[polygons.triangle_vertex[number]],
         polygons.cull[polygons.triangle_polygon[number]],
         faces[number],
         number,
@@ -158,6 +159,14 @@ def clustered(view: View, chosen: Array, faces: Ints) -> Mesh:
         np.maximum.reduceat(high[order], first),
         world_slack(view),
     )
+
+
+def along_the_curve(low: Floats, high: Floats) -> tuple[Ints, Ints]:
+    """Return the order of boxes along a Morton curve, and the place of each in it: neighbours get close."""
+    _, order = hierarchy.radix_sort(hierarchy.morton_codes(low, high))
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order), dtype=order.dtype)
+    return order, place
 
 
 def world_slack(view: View) -> Floats:
@@ -233,7 +242,7 @@ def draw(
     halfspaces.project(mesh.vertices, rows, eye, screen)
     extent = np.empty((len(mesh.low), 5))
     tiles.reach(mesh.low, mesh.high, rows, eye, extent)
-    listed, todo = tiles.deal(extent, np.argsort(extent[:, 4], kind="stable"), view.height)
+    listed, todo = tiles.deal(extent, np.argsort(extent[:, 4], kind="stable"), view.width, view.height)
     loose = loose_tables(view, mesh.vertices, mesh.corner, mesh.number, screen, eye)
     prepared = (screen, mesh.corner, mesh.cull, mesh.faces)
 
@@ -246,23 +255,23 @@ def draw(
         if noted is not None:
             found += [noted[k, : used[k]] for k in np.flatnonzero(used <= room)]
         total += counts[used <= room].sum(axis=0)
-        # Settling a strip at most doubles its doubts.
+        # Settling a tile at most doubles its doubts.
         todo, room = todo[used > room], 2 * int(used.max())
     return np.concatenate(found), total
 
 
 def _number(mesh: Mesh, found: Array) -> Array:
     """Return which triangle each doubt is about."""
-    return (found["key"] & _number_bits(mesh)).astype(np.int64)
+    return np.asarray(found["key"] & _number_bits(mesh))
 
 
-def _number_bits(mesh: Mesh) -> np.uint64:
+def _number_bits(mesh: Mesh) -> int:
     """Return the bits of a key that are the number of a triangle."""
-    return ~np.uint64(doubts.depth_mask(len(mesh.corner)))
+    return int(doubts.EMPTY) - int(doubts.depth_mask(len(mesh.corner)))
 
 
 def _format(view: View, mesh: Mesh, eye: Eye) -> dict[str, Any]:
     """Describe key depths as window depths, which fill the range from near to far."""
-    step = (float(_number_bits(mesh)) + 1.0) * 2.0**-64 / eye.scale
+    step = (_number_bits(mesh) + 1.0) * 2.0**-63 / eye.scale
     whole = nearness_of(view.near, view.perspective) - nearness_of(view.far, view.perspective)
     return depth_format("window", step / whole, view.near, view.far, view.perspective)

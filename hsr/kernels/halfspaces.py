@@ -33,9 +33,12 @@ LOOSE = 2.0**-4
 
 X, Y, NEARNESS, ERROR = range(4)
 """Columns of the projected vertices: pixels from the top left corner of the image, nearness, and how far
-the true x and y may be away: infinite for a vertex at or behind the eye."""
+the true x and y may be away: ``ANYWHERE`` for a vertex at or behind the eye."""
 
-CLUSTER = 64
+ANYWHERE = 2.0**99
+"""An error beyond all images."""
+
+CLUSTER = 32
 """Triangles in a table, set up side by side. Its parts follow each other, CLUSTER numbers each, in one array
 of one dimension: so the compiler knows them apart."""
 
@@ -126,13 +129,14 @@ def projected(px: float, py: float, pz: float, rows: Floats, eye: Eye) -> tuple[
     x = rows[0, 0] * px + rows[0, 1] * py + rows[0, 2] * pz + rows[0, 3]
     y = rows[1, 0] * px + rows[1, 1] * py + rows[1, 2] * pz + rows[1, 3]
     d = rows[2, 0] * px + rows[2, 1] * py + rows[2, 2] * pz + rows[2, 3]
-    nearness, w, error_w = (1.0 / d, 1.0 / d, eye.error_d) if eye.perspective else (-d, 1.0, 0.0)
+    w = (1.0 / d if d != 0.0 else 0.0) if eye.perspective else 1.0
+    nearness, error_w = (w, eye.error_d) if eye.perspective else (-d, 0.0)
     x, y = x * w, y * w
     error_x = (eye.error_x + abs(x) * error_w) * w + 4.0 * U * (abs(x) + 1.0)
     error_y = (eye.error_y + abs(y) * error_w) * w + 4.0 * U * (abs(y) + 1.0)
     error = max(error_x * eye.width, error_y * eye.height)
     if eye.perspective and not d > 2.0 * eye.error_d:
-        error = np.inf
+        error = ANYWHERE
     return (1.0 + x) * 0.5 * eye.width, (1.0 - y) * 0.5 * eye.height, nearness, error
 
 
@@ -240,13 +244,14 @@ def set_up(screen: Floats, corner: Ints, cull: Array, first: int, eye: Eye, tabl
 
         # Take the plane of depth through the corners.
         uz, wz = (az - bz) * eye.scale, (cz - az) * eye.scale
-        z_x, z_y = (uy * wz - wy * uz) / area, (wx * uz - ux * wz) / area
+        per_area = 1.0 / area if area != 0.0 else 0.0
+        z_x, z_y = (uy * wz - wy * uz) * per_area, (wx * uz - ux * wz) * per_area
         table[Z + i] = key_depth(az, eye) + ((x - ax) * z_x + (y - ay) * z_y)
         table[Z_X + i], table[Z_Y + i] = z_x, z_y
         nearest, farthest = max(max(az, bz), cz), min(min(az, bz), cz)
         slack = nearness_error(nearest, eye) * eye.scale
         range_of_z = w * abs(z_x) + h * abs(z_y)
-        rounding = 32.0 * U * (1.0 + w * h / abs(area) * range_of_z)
+        rounding = 32.0 * U * (1.0 + w * h * abs(per_area) * range_of_z)
         table[Z_ERROR + i] = slack + t * (abs(z_x) + abs(z_y)) + rounding
 
         # Leave out what is not certain enough, culled, beyond near or far, or beside all samples.

@@ -142,9 +142,12 @@ def tiles_probe(view: View, _options: Any) -> Probe:
             return None
         keys, window, eye = names["keys"], names["window"], names["eye"]
         face, depth = np.full(size, BACKGROUND, np.int32), np.full(size, np.inf)
+        box, known = (0, len(keys), 0, view.width), keys.copy()
 
         def read() -> Buffers:
-            doubts.read_out(keys, window, faces, eye, face, depth)
+            if not np.array_equal(keys, known):
+                doubts.read_out(keys, window, box, faces, eye, face, depth)
+                known[:] = keys
             return face, depth
 
         return read
@@ -162,13 +165,25 @@ def tiles_probe(view: View, _options: Any) -> Probe:
     return Probe(
         shown={
             tiles.draw_table: ("i",),
-            doubts.fill: ("line", "start", "lane", "inner", "bound", "z", "key", "old", "inside", "doubtful"),
+            doubts.fill: (
+                "line",
+                "start",
+                "lane",
+                "inner",
+                "bound",
+                "z",
+                "key",
+                "old",
+                "inside",
+                "beside",
+                "doubtful",
+            ),
             doubts.note: ("line", "column", "inner", "bound"),
             certified.render: (),
         },
-        buffers={tiles.draw_strip: keys_read, certified.render: answered},
+        buffers={tiles.draw_tile: keys_read, certified.render: answered},
         beats=(
-            Beat(doubts.fill, "inside =", sample, tested),
+            Beat(doubts.fill, "inside, nearer_by =", sample, tested),
             Beat(doubts.note, "inner, z =", place("line", "column"), nobody),
         ),
         counters={

@@ -17,7 +17,7 @@ from hsr.difference.models.stages import Cause
 from hsr.difference.study import Study, study
 from hsr.errors import HsrError
 from hsr.output import write_whole
-from hsr.report.filling import asset, filled
+from hsr.report.page import style, templates
 from hsr.scene.model import MatrixCamera, Scene
 from hsr.shading import depth_picture, face_picture, save_picture, shade
 from hsr.viewing import view
@@ -101,7 +101,7 @@ def write_gallery(
         save_picture(shade(measured.maps["exact"], measured.view), folder / f"{name}.png")
         shown.append(Shown(name, measured, name in turning))
     save_picture(overview(list(scenes.values())), folder / "overview.png")
-    page = filled("gallery.html", shown=shown, size=size, style=asset("templates/shared.css"))
+    page = templates().get_template("gallery.html").render(shown=shown, size=size, style=style("gallery.css"))
     write_whole(folder / "index.html", page, "the gallery")
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from hsr.lessons.lesson import lesson_of
 from hsr.lessons.topics import Topic
 from hsr.output import write_whole
-from hsr.report.filling import asset, filled
+from hsr.report.page import part, style, templates
 from hsr.scene.model import Scene
 
 
@@ -32,13 +32,16 @@ def write_lesson(topic: Topic, path: str | Path, scene: Scene | None = None) -> 
     """
     recording = json.dumps(lesson_of(topic, scene), ensure_ascii=False, separators=(",", ":"))
     packed = zlib.compress(recording.encode("utf-8"), 9)
-    page = filled(
-        "lesson.html",
-        title=topic.title,
-        lead=topic.lead,
-        recording=base64.b64encode(packed).decode("ascii"),
-        style=asset("templates/shared.css") + asset("templates/lesson.css"),
-        script=asset("lesson.js"),
+    page = (
+        templates()
+        .get_template("lesson.html")
+        .render(
+            title=topic.title,
+            lead=topic.lead,
+            recording=base64.b64encode(packed).decode("ascii"),
+            style=style("lesson.css"),
+            script=part("lesson.js"),
+        )
     )
     write_whole(path, page, "the lesson")
 
@@ -60,5 +63,5 @@ def write_course(course: Mapping[str, Topic], folder: str | Path) -> None:
     """
     for name, topic in course.items():
         write_lesson(topic, Path(folder, f"{name}.html"))
-    page = filled("course.html", course=course, style=asset("templates/shared.css"))
+    page = templates().get_template("course.html").render(course=course, style=style("course.css"))
     write_whole(Path(folder, "index.html"), page, "the list of lessons")
