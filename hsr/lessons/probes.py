@@ -188,7 +188,7 @@ def tiles_probe(view: View, _options: Any) -> Probe:
         ),
         counters={
             "samples tested": (doubts.fill, "place ="),
-            "doubts": (doubts.note, "write("),
+            "in doubt on an edge": (doubts.note, "write("),
         },
     )
 

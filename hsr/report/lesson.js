@@ -393,7 +393,7 @@
     PageDown: () => openScreen(state.screen + 1),
     PageUp: () => openScreen(state.screen - 1),
     t: () => changeTrack((state.track + 1) % lesson.tracks.length),
-    g: () => $("jump").elements.row.focus(),
+    g: () => $("jump").elements.row.select(),
     l: () => {
       const wide = document.querySelector("main").classList.toggle("wide");
       $("hide").setAttribute("aria-pressed", wide);
