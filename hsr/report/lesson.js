@@ -256,7 +256,7 @@
     $("ask-text").textContent = text;
     $("verdict").textContent = "";
     $("choices").replaceChildren(...choices.map((choice, k) => {
-      const button = element("button", { type: "button" }, `${k + 1}`, ...choice);
+      const button = element("button", { type: "button" }, element("b", {}, `${k + 1}`), ...choice.map((part) => element("span", {}, part)));
       button.addEventListener("click", () => answer(k));
       return button;
     }));
@@ -338,6 +338,7 @@
     if (onQuestion()) {
       $("screen-title").textContent = "What have you seen?";
       $("screen-text").textContent = $("screen-formula").textContent = "";
+      go(last());
       if (!done.has("question")) askLast();
       $("ask").hidden = false;
       return;
