@@ -211,8 +211,9 @@ def eye_of(view: View, mesh: Mesh) -> Eye:
     scale = (BACK - FRONT) / max(front - back, 2.0**-12 * max(abs(front), abs(back)), np.finfo(float).tiny)
     size_of_image = (float(view.width), float(view.height))
     eye = Eye(view.perspective, *size_of_image, error[0], error[1], error[2], front, scale, 0.0, 0.0, 0.0)
-    tie = max(TIE, 4.0 * halfspaces.nearness_error(front, eye) * scale)
-    near_key, far_key = halfspaces.key_depth(near, eye), halfspaces.key_depth(far, eye)
+    with np.errstate(over="ignore"):  # an infinite bound is a bound
+        tie = max(TIE, 4.0 * halfspaces.nearness_error(front, eye) * scale)
+        near_key, far_key = halfspaces.key_depth(near, eye), halfspaces.key_depth(far, eye)
     return eye._replace(near=near_key, far=far_key, tie=min(tie, LOOSE))
 
 
