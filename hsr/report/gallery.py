@@ -122,7 +122,7 @@ def turntable(scene: Scene) -> bytes:
     ]
     file = BytesIO()
     frames[0].save(
-        file, "WEBP", save_all=True, append_images=frames[1:], duration=FRAME_MS, loop=0, quality=80
+        file, "WEBP", save_all=True, append_images=frames[1:], duration=FRAME_MS, loop=0, lossless=True
     )
     return file.getvalue()
 
