@@ -20,7 +20,7 @@ from hsr.bench import bench_app
 from hsr.console import err, new_table, out, print_json, print_renders, print_studies, progress, say
 from hsr.errors import HsrError, UnavailableError
 from hsr.options import DIFFERS, MISSING, USAGE, Json, Methods, Quiet, check_folder, parse_size
-from hsr.output import write_whole
+from hsr.output import make_folder, write_whole
 
 if TYPE_CHECKING:
     from hsr.difference.study import Study
@@ -372,6 +372,59 @@ def _sample(text: str, view: View) -> tuple[int, int]:
         raise HsrError(f"sample {text!r}: write COLUMN,ROW, such as 311,204") from None
     check_sample(view, row, column)
     return column, row
+
+
+# ---------------------------------------------------------------- lesson, gallery
+
+
+@app.command()
+def lesson(
+    topic: Annotated[str | None, typer.Argument(help="What it is about; an unknown one lists all.")] = None,
+    scene: Annotated[Path | None, typer.Argument(help="Scene in place of the lesson's own.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Page to write, .html; with --all a folder.")
+    ] = None,
+    course: Annotated[bool, typer.Option("--all", help="All lessons, and a page that lists them.")] = False,
+) -> None:
+    """Write a lesson: the real algorithm on a small picture, step by step, as one HTML page."""
+    import hsr
+    from hsr.lessons.topics import topic_named, topics
+    from hsr.report.lesson import write_course, write_lesson
+
+    if course == (topic is not None):
+        raise HsrError(f"name a topic or say --all; the topics are {', '.join(topics())}")
+    if output is None:
+        raise HsrError("say where to write by -o: a page.html for one topic, a folder for --all")
+    if topic is None:
+        write_course(topics(), make_folder(output))
+    else:
+        chosen = topic_named(topic)
+        check_folder(output)
+        write_lesson(chosen, output, None if scene is None else hsr.load(scene))
+    say(f"wrote {output}")
+
+
+@app.command()
+def gallery(
+    scenes: Annotated[list[Path], typer.Argument(help="Scene files.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder to write.")],
+    size: Size = "256x256",
+    turn: Annotated[
+        list[str] | None, typer.Option("--turn", help="Scene, by its name, to show turning; repeatable.")
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Write a page of scenes: what each looks like, what it shows, which methods are right on it."""
+    import hsr
+    from hsr.report.gallery import write_gallery
+
+    loaded = {path.stem: hsr.load(path) for path in scenes}
+    for name in turn or ():
+        if name not in loaded:
+            raise HsrError(f"--turn {name}: no such scene is given; there are {', '.join(loaded)}")
+    with progress(quiet, len(loaded)) as step:
+        write_gallery(loaded, make_folder(output), parse_size(size), turn or (), step)
+    say(f"wrote {output}")
 
 
 # ---------------------------------------------------------------- algos, doctor

@@ -11,7 +11,7 @@ from PIL import Image
 
 from hsr.difference.classes import compare
 from hsr.output import write_whole
-from hsr.report.page import part, templates
+from hsr.report.page import part, style, templates
 from hsr.report.pictures import Album, gather_pair, gather_pictures
 from hsr.shading import face_picture
 from hsr.visibility import load_map
@@ -58,7 +58,7 @@ def write_page(
             run=run,
             unused=unused,
             lab={"pictures": album.uris, "scenes": scenes},
-            style=part("templates/report.css"),
+            style=style("report.css"),
             script=part("viewer.js"),
             decisions=part("decisions.js"),
         )

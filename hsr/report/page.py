@@ -76,7 +76,7 @@ def _render(studies: Sequence[Study], title: str) -> str:
         date=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         environment=_environment(studies),
         lab={"pictures": album.uris, "scenes": scenes},
-        style=part("templates/report.css"),
+        style=style("report.css"),
         script=part("viewer.js"),
     )
 
@@ -90,6 +90,11 @@ def templates() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+
+
+def style(own: str) -> Markup:
+    """Return the styles of a page: what every page shares, then its own sheet."""
+    return part("templates/shared.css") + part(f"templates/{own}")
 
 
 def part(name: str) -> Markup:
