@@ -33,9 +33,12 @@ LOOSE = 2.0**-4
 
 X, Y, NEARNESS, ERROR = range(4)
 """Columns of the projected vertices: pixels from the top left corner of the image, nearness, and how far
-the true x and y may be away: infinite for a vertex at or behind the eye."""
+the true x and y may be away: ``ANYWHERE`` for a vertex at or behind the eye."""
 
-CLUSTER = 64
+ANYWHERE = 2.0**99
+"""An error beyond all images."""
+
+CLUSTER = 32
 """Triangles in a table, set up side by side. Its parts follow each other, CLUSTER numbers each, in one array
 of one dimension: so the compiler knows them apart."""
 
@@ -52,7 +55,7 @@ LEFT, RIGHT, TOP, BOTTOM, CUT, NUMBER = range(16 * CLUSTER, 22 * CLUSTER, CLUSTE
 """The first column and row that a triangle may cover, and those after the last (no rows if it is left out);
 whether the near or the far plane may cut it; its number."""
 
-GATHERED = 22 * CLUSTER
+GATHERED, CULL = 22 * CLUSTER, 34 * CLUSTER
 """Where the corners gathered for the set-up begin: 12 parts, X to ERROR of each; then what is culled."""
 
 TABLE = 35 * CLUSTER
@@ -126,13 +129,14 @@ def projected(px: float, py: float, pz: float, rows: Floats, eye: Eye) -> tuple[
     x = rows[0, 0] * px + rows[0, 1] * py + rows[0, 2] * pz + rows[0, 3]
     y = rows[1, 0] * px + rows[1, 1] * py + rows[1, 2] * pz + rows[1, 3]
     d = rows[2, 0] * px + rows[2, 1] * py + rows[2, 2] * pz + rows[2, 3]
-    nearness, w, error_w = (1.0 / d, 1.0 / d, eye.error_d) if eye.perspective else (-d, 1.0, 0.0)
+    w = (1.0 / d if d != 0.0 else 0.0) if eye.perspective else 1.0
+    nearness, error_w = (w, eye.error_d) if eye.perspective else (-d, 0.0)
     x, y = x * w, y * w
     error_x = (eye.error_x + abs(x) * error_w) * w + 4.0 * U * (abs(x) + 1.0)
     error_y = (eye.error_y + abs(y) * error_w) * w + 4.0 * U * (abs(y) + 1.0)
     error = max(error_x * eye.width, error_y * eye.height)
     if eye.perspective and not d > 2.0 * eye.error_d:
-        error = np.inf
+        error = ANYWHERE
     return (1.0 + x) * 0.5 * eye.width, (1.0 - y) * 0.5 * eye.height, nearness, error
 
 
@@ -164,8 +168,8 @@ def samples_between(least: float, most: float, error: float, count: float) -> tu
 
 
 @jit
-def set_up(screen: Floats, corner: Ints, cull: Array, first: int, eye: Eye, table: Floats) -> int:
-    """Set up at most CLUSTER triangles side by side; without branches, to become vector code.
+def gather(screen: Floats, corner: Ints, cull: Array, first: int, table: Floats) -> int:
+    """Gather at most CLUSTER triangles into a table.
 
     Parameters
     ----------
@@ -175,17 +179,38 @@ def set_up(screen: Floats, corner: Ints, cull: Array, first: int, eye: Eye, tabl
     cull : (n,) int8
         What not to draw: 0 nothing, 1 back faces, 2 front faces.
     first : int
-        Number of the first triangle to set up.
-    eye : Eye
+        Number of the first triangle to gather.
     table : (TABLE,) float64
-        Receives the triangles. Left out is what is culled, beyond near or far, beside the image, and what
-        has a corner that is not certain within ``LOOSE``. Where AREA is not above BOUND, a triangle may be
-        edge-on, or turned the other way; such are not culled.
+        Receives their corners, what they cull, and their numbers.
 
     Returns
     -------
     int
         How many there are.
+    """
+    n = np.uintp(min(len(corner) - first, CLUSTER))
+    for i in range(n):
+        triangle = first + np.int64(i)
+        for k in range(3):
+            for part in range(4):
+                table[GATHERED + (4 * k + part) * CLUSTER + i] = screen[corner[triangle, k], part]
+        table[CULL + i], table[NUMBER + i] = cull[triangle], triangle
+    return int(n)
+
+
+@jit
+def set_up(table: Floats, count: int, eye: Eye) -> None:
+    """Set up the gathered triangles of a table side by side; without branches, to become vector code.
+
+    Parameters
+    ----------
+    table : (TABLE,) float64
+        Receives the other parts. Left out is what is culled, beyond near or far, beside the image, and what
+        has a corner that is not certain within ``LOOSE``. Where AREA is not above BOUND, a triangle may be
+        edge-on, or turned the other way; such are not culled.
+    count : int
+        How many triangles there are.
+    eye : Eye
 
     Notes
     -----
@@ -199,16 +224,7 @@ def set_up(screen: Floats, corner: Ints, cull: Array, first: int, eye: Eye, tabl
     Rounding changes the area by at most 4 u w h, and z_x, z_y by that relative to the area, and as much again
     for the numerators, products of h or w and a difference of depths, which is at most w |z_x| + h |z_y|.
     """
-    n = np.uintp(min(len(corner) - first, CLUSTER))
-    for i in range(n):
-        triangle = first + np.int64(i)
-        for k in range(3):
-            for part in range(4):
-                table[GATHERED + (4 * k + part) * CLUSTER + i] = screen[corner[triangle, k], part]
-        table[GATHERED + 12 * CLUSTER + i] = cull[triangle]
-        table[NUMBER + i] = triangle
-
-    for i in range(n):
+    for i in range(np.uintp(count)):
         ax, ay = table[GATHERED + i], table[GATHERED + CLUSTER + i]
         az, a_error = table[GATHERED + 2 * CLUSTER + i], table[GATHERED + 3 * CLUSTER + i]
         bx, by = table[GATHERED + 4 * CLUSTER + i], table[GATHERED + 5 * CLUSTER + i]
@@ -240,21 +256,21 @@ def set_up(screen: Floats, corner: Ints, cull: Array, first: int, eye: Eye, tabl
 
         # Take the plane of depth through the corners.
         uz, wz = (az - bz) * eye.scale, (cz - az) * eye.scale
-        z_x, z_y = (uy * wz - wy * uz) / area, (wx * uz - ux * wz) / area
+        per_area = 1.0 / area if area != 0.0 else 0.0
+        z_x, z_y = (uy * wz - wy * uz) * per_area, (wx * uz - ux * wz) * per_area
         table[Z + i] = key_depth(az, eye) + ((x - ax) * z_x + (y - ay) * z_y)
         table[Z_X + i], table[Z_Y + i] = z_x, z_y
         nearest, farthest = max(max(az, bz), cz), min(min(az, bz), cz)
         slack = nearness_error(nearest, eye) * eye.scale
         range_of_z = w * abs(z_x) + h * abs(z_y)
-        rounding = 32.0 * U * (1.0 + w * h / abs(area) * range_of_z)
+        rounding = 32.0 * U * (1.0 + w * h * abs(per_area) * range_of_z)
         table[Z_ERROR + i] = slack + t * (abs(z_x) + abs(z_y)) + rounding
 
         # Leave out what is not certain enough, culled, beyond near or far, or beside all samples.
         least_z, most_z = key_depth(nearest, eye) - slack, key_depth(farthest, eye) + slack
         table[NEAREST + i] = least_z
         table[CUT + i] = 1.0 if (least_z < eye.near) | (most_z > eye.far) else 0.0
-        culled = (table[GATHERED + 12 * CLUSTER + i] == (2.0 if area < 0.0 else 1.0)) & (abs(area) > bound)
+        culled = (table[CULL + i] == (2.0 if area < 0.0 else 1.0)) & (abs(area) > bound)
         shown = (t <= LOOSE) & (least_z <= eye.far) & (most_z >= eye.near) & (left < right)
         table[LEFT + i], table[RIGHT + i], table[TOP + i] = left, right, top
         table[BOTTOM + i] = bottom if shown & ~culled else top
-    return int(n)

@@ -53,9 +53,6 @@ HELP = (
 )
 """Keys of the inspector and what they do."""
 
-STYLES = ("shared.css", "report.css")
-"""The style sheets of the page: what every page shares, then the report's own."""
-
 
 def write_report(
     studies: Sequence[Study],
@@ -122,14 +119,8 @@ def fragment(scene: str, method: str, sample: tuple[int, int] | None = None) -> 
 
 
 def _render(studies: Sequence[Study], title: str, data: Sequence[dict[str, Any]]) -> str:
-    style, script = _style(), _text("viewer.js")
-    environment = Environment(
-        loader=PackageLoader("hsr.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    sheet, script = style("report.css") + _colours(), part("viewer.js")
+    environment = templates()
     environment.filters |= {"figures": _figures, "milliseconds": _milliseconds, "note": _note, "size": _size}
     return environment.get_template("report.html").render(
         title=title,
@@ -151,20 +142,37 @@ def _render(studies: Sequence[Study], title: str, data: Sequence[dict[str, Any]]
         help=HELP,
         key=key(),
         data=data,
-        style=Markup(style),
-        script=Markup(script),
-        policy=f"default-src 'none'; img-src data:; style-src {_hash(style)}; script-src {_hash(script)}",
+        style=sheet,
+        script=script,
+        policy=f"default-src 'none'; img-src data:; style-src {_hash(sheet)}; script-src {_hash(script)}",
     )
 
 
-def _style() -> str:
-    """Join the style sheets, with the colours of the classes."""
-    colours = (f".class-{kind:d} {{ background: rgb{colour}; }}\n" for kind, colour in CLASS_COLOURS.items())
-    return "".join([*(_text(f"templates/{name}") for name in STYLES), *colours])
+def templates() -> Environment:
+    """Return the templates of pages; what is put into them is escaped."""
+    return Environment(
+        loader=PackageLoader("hsr.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
 
 
-def _text(path: str) -> str:
-    return files("hsr.report").joinpath(path).read_text(encoding="utf-8")
+def style(own: str) -> Markup:
+    """Return the styles of a page: what every page shares, then its own sheet."""
+    return part("templates/shared.css") + part(f"templates/{own}")
+
+
+def part(name: str) -> Markup:
+    """Return a style or script of this package, to stand in a page as it is."""
+    return Markup(files("hsr.report").joinpath(name).read_text(encoding="utf-8"))
+
+
+def _colours() -> Markup:
+    """Return the styles that show the colours of the classes."""
+    lines = (f".class-{kind:d} {{ background: rgb{colour}; }}\n" for kind, colour in CLASS_COLOURS.items())
+    return Markup("".join(lines))
 
 
 def _hash(text: str) -> str:

@@ -1,4 +1,4 @@
-"""The still pictures of a report: small PNG files within the page."""
+"""The still pictures of pages: small PNG files within the page."""
 
 from __future__ import annotations
 
@@ -71,8 +71,11 @@ def data_uri(pixels: Pixels) -> str:
 
 
 def opaque(picture: Pixels) -> Pixels:
-    """Turn a coloured picture (H, W, 3) into one with opacity, (H, W, 4)."""
-    return np.pad(picture, [(0, 0), (0, 0), (0, 1)], constant_values=255)
+    """Turn a grey (H, W) or coloured (H, W, 3) picture into one with opacity, (H, W, 4)."""
+    height, width = picture.shape[:2]
+    whole = np.full((height, width, 4), 255, dtype=np.uint8)
+    whole[..., :3] = picture.reshape(height, width, -1)
+    return whole
 
 
 def class_picture(difference: Difference) -> Pixels:
