@@ -86,7 +86,7 @@ MISS = Hit(0.0, 0.0, -1.0)
 @jit
 def affine(c: Floats, x: float, y: float) -> float:
     """Return ``c . (1, x, y)``."""
-    return c[0] + c[1] * x + c[2] * y
+    return float(c[0] + c[1] * x + c[2] * y)
 
 
 @jit
