@@ -134,7 +134,7 @@ def may_show(extent: Floats, eye: Eye, farthest: Floats) -> Array:
         for row in range(int(top) // CELL, (int(bottom) - 1) // CELL + 1):
             for column in range(int(left) // CELL, (int(right) - 1) // CELL + 1):
                 tile, place = farthest[row // CELLS, column // CELLS], (row % CELLS, column % CELLS)
-                seen[k] |= not extent[k, 4] - eye.tie > tile[place]
+                seen[k] |= not extent[k, 4] - 2.0 * eye.tie > tile[place]
     return seen
 
 
@@ -291,7 +291,7 @@ def cast_tile(
     for m in listed:
         counts[EXTENTS] += 1
         cells = cells_of(extent[m, 0], extent[m, 1], extent[m, 2], extent[m, 3], keys, window)
-        if is_hidden(extent[m, 4] - eye.tie, cells, keys, farthest, stale):
+        if is_hidden(extent[m, 4] - 2.0 * eye.tie, cells, keys, farthest, stale):
             continue
         if members[m]["quadric"] == NO_QUADRIC:
             cast_into_mesh(shapes, laid, members[m], keys, window, eye, farthest, stale, doubts, counts)
@@ -338,7 +338,7 @@ def cast_into_mesh(
         counts[NODES] += 1
         here = to_extent + k
         cells = cells_of(extent[here, 0], extent[here, 1], extent[here, 2], extent[here, 3], keys, window)
-        if is_hidden(extent[here, 4] - eye.tie, cells, keys, farthest, stale):
+        if is_hidden(extent[here, 4] - 2.0 * eye.tie, cells, keys, farthest, stale):
             continue
         first, count = tree[root + k, 0], tree[root + k, 1]
         if count == INNER:
