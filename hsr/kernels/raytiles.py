@@ -23,12 +23,13 @@ import numpy as np
 from hsr.arrays import Array, Floats, Ints
 from hsr.jit import jit, parallel_jit, prange
 from hsr.kernels.curved import cast_into_quadric
-from hsr.kernels.doubts import Window, read_out
+from hsr.kernels.doubts import EMPTY, Window, depth_mask, gap_of, read_out, settle
 from hsr.kernels.halfspaces import (
     CLUSTER,
     CULL,
     ERROR,
     GATHERED,
+    LANES,
     LOOSE,
     NEARNESS,
     NUMBER,
@@ -92,9 +93,12 @@ Shapes = tuple[Floats, Ints, Ints, Ints]
 triangles, in the order of the leaves; ``first`` and ``count`` (N, 2) of the nodes. Each counts from the start
 of its own mesh."""
 
-Tiles = tuple[Array, Floats, Ints, Ints, Floats]
-"""Keys (rows, columns, SIDE, SIDE + LANES) uint64 of the tiles, and the farthest key depth of each of their
-cells (rows, columns, CELLS, CELLS); the face of each piece, and the image: face and depth (H, W)."""
+Kept = tuple[Array, Floats]
+"""Keys (rows, columns, SIDE, SIDE + LANES) uint64 of all tiles, and the farthest key depth of each of their
+cells (rows, columns, CELLS, CELLS)."""
+
+Image = tuple[Ints, Ints, Floats]
+"""The face (pieces,) of each piece; face and depth (H, W) of the image."""
 
 Laid = tuple[Array, Floats, Floats, Floats]
 """A batch: members (m,) MEMBER, nearest first, and their extents (m, 5): first and end column, first and end
@@ -236,8 +240,8 @@ def cast(
     listed: Ints,
     todo: Array,
     eye: Eye,
-    first: Window,
-    tiles: Tiles,
+    kept: Kept | None,
+    image: Image,
     doubts: Array | None,
     counts: Array,
 ) -> None:
@@ -254,16 +258,16 @@ def cast(
     todo : (k, 4) int64
         Tiles: row and column, where the list of each begins and where it ends.
     eye : Eye
-    first : Window
-        That of the first tile.
-    tiles : Tiles
+    kept : Kept or None
+        What the tiles show from batch to batch; None if there is one batch.
+    image : Image
     doubts : (k, room) DOUBT or None
     counts : (k, COUNTS) int64
     """
     for k in prange(len(todo)):
         room = None if doubts is None else doubts[k]
         chosen = listed[todo[k, 2] : todo[k, 3]]
-        cast_tile(shapes, laid, special, chosen, todo[k], eye, first, tiles, room, counts[k])
+        cast_tile(shapes, laid, special, chosen, todo[k], eye, kept, image, room, counts[k])
 
 
 @jit
@@ -274,16 +278,21 @@ def cast_tile(
     listed: Ints,
     tile: Array,
     eye: Eye,
-    first: Window,
-    tiles: Tiles,
+    kept: Kept | None,
+    image: Image,
     doubts: Array | None,
     counts: Array,
 ) -> None:
     """Cast the rays of one tile into the listed members and all loose triangles."""
     quadrics, loose = special
-    all_keys, all_farthest, faces, face, depth = tiles
-    keys, farthest = all_keys[tile[0], tile[1]], all_farthest[tile[0], tile[1]]
-    window = Window(tile[0] * SIDE, tile[1] * SIDE, first.width, first.mask, first.gap)
+    faces, face, depth = image
+    mask = depth_mask(len(faces))
+    window = Window(tile[0] * SIDE, tile[1] * SIDE, face.shape[1], mask, gap_of(mask, eye.tie))
+    if kept is None:
+        keys, farthest = np.empty((SIDE, SIDE + LANES), np.uint64), np.empty((CELLS, CELLS))
+        clear(keys, farthest, len(face) - window.line, window.width - window.column)
+    else:
+        keys, farthest = kept[0][tile[0], tile[1]], kept[1][tile[0], tile[1]]
     stale = np.zeros((CELLS, CELLS), np.bool_)
     members, extent = laid[0], laid[1]
 
@@ -303,12 +312,23 @@ def cast_tile(
         draw_table(loose[t], CLUSTER, keys, window, eye, farthest, doubts, counts)
         stale[:] = True
 
-    # Note how far the tile shows now.
-    for row in range(CELLS):
-        for column in range(CELLS):
-            if stale[row, column]:
+    # Note how far the tile shows for the next batch, and what it shows.
+    if kept is not None:
+        for row in range(CELLS):
+            for column in range(CELLS):
                 farthest[row, column] = farthest_in(keys, row * CELL, column * CELL)
+    if doubts is not None:
+        settle(keys, window, doubts, counts)
     read_out(keys, window, faces, eye, face, depth)
+
+
+@jit
+def clear(keys: Array, farthest: Floats, lines: int, columns: int) -> None:
+    """Empty a tile; samples beyond the last lines and columns, which the image has not, hide everything."""
+    farthest[:] = np.inf
+    for line in range(SIDE):
+        for column in range(SIDE + LANES):
+            keys[line, column] = EMPTY if line < lines and column < columns else np.uint64(0)
 
 
 @jit
