@@ -25,8 +25,8 @@ from hsr.arrays import Array, Bools, Floats, Ints
 from hsr.kernels import doubts, hierarchy, raytiles
 from hsr.kernels.halfspaces import CLUSTER, ERROR, LANES, LOOSE, Eye, U
 from hsr.kernels.projection import clip_rows, to_clip
-from hsr.kernels.raytiles import CELLS, MEMBER, NO_QUADRIC, SHARE, SIDE
-from hsr.kernels.tiles import GOLDEN, deal
+from hsr.kernels.raytiles import MEMBER, NO_QUADRIC, SHARE
+from hsr.kernels.tiles import CELL, COLUMNS, LINES, deal
 from hsr.scene.shapes import Kind, Shape
 from hsr.viewing import Placement, View, reversed_loops
 from hsr.visibility import Clock, VisibilityMap
@@ -40,7 +40,7 @@ BATCH = 1 << 18
 SHARE_OF_VERTICES, SHARE_OF_NODES = 2048, 64
 """What one thread lays out at a time."""
 
-ROOM = 64
+ROOM = 256
 """Doubts of a tile for which there is room at first; a tile with more is cast again."""
 
 
@@ -317,11 +317,11 @@ def _batches(order: Array, members: Array) -> Iterator[Array]:
 
 def _kept(view: View) -> raytiles.Kept:
     """Return tiles that show nothing; samples beyond the image hide everything."""
-    rows, columns = -(-view.height // SIDE), -(-view.width // SIDE)
-    keys = np.full((rows, columns, SIDE, SIDE + LANES), doubts.EMPTY, np.uint64)
-    keys[-1, :, view.height - (rows - 1) * SIDE :] = 0
-    keys[:, -1, :, view.width - (columns - 1) * SIDE :] = 0
-    return keys, np.full((rows, columns, CELLS, CELLS), np.inf)
+    rows, columns = -(-view.height // LINES), -(-view.width // COLUMNS)
+    keys = np.full((rows, columns, LINES, COLUMNS + LANES), doubts.EMPTY, np.int64)
+    keys[-1, :, view.height - (rows - 1) * LINES :] = 0
+    keys[:, -1, :, view.width - (columns - 1) * COLUMNS :] = 0
+    return keys, np.full((rows, columns, LINES // CELL, COLUMNS // CELL), np.inf)
 
 
 def _lay_out(caster: Caster, members: Array, extent: Floats, room: Room) -> raytiles.Laid:
@@ -375,7 +375,9 @@ def _cast_batch(
     caster: Caster, laid: raytiles.Laid, special: tuple[Array, Floats], kept: raytiles.Kept | None
 ) -> Iterator[tuple[Array, Array]]:
     """Cast all rays into a batch that is laid out; yield doubts and counts of tiles."""
-    listed, todo = _todo(caster.view, laid[1], len(special[1]) > 0)
+    extent, loose = laid[1], special[1]
+    listed, todo = deal(extent, np.arange(len(extent)), caster.view.width, caster.view.height)
+    todo = todo[(len(loose) > 0) | (todo[:, 2] < todo[:, 3])]
     shapes, eye, image, room = caster.world.shapes, caster.eye, caster.image, ROOM
     while len(todo):
         counts = np.zeros((len(todo), raytiles.COUNTS), np.int64)
@@ -389,35 +391,19 @@ def _cast_batch(
         todo, room = todo[~done], 2 * int(used.max())
 
 
-def _todo(view: View, extent: Floats, everywhere: bool) -> tuple[Ints, Array]:
-    """List the members that each tile may see, nearest first; and the tiles that may see any, or all tiles.
-
-    They come scattered over the image, so that threads that take equal parts have about equal work.
-    """
-    listed, strips = deal(extent, np.arange(len(extent)), view.height)
-    columns = -(-view.width // SIDE)
-    todo = np.empty((len(strips), columns, 4), np.int64)
-    todo[:, :, 0], todo[:, :, 1] = strips[:, :1], np.arange(columns)
-    todo[:, :, 2], todo[:, :, 3] = strips[:, 1:2], strips[:, 2:]
-    todo = todo[everywhere | (strips[:, 1] < strips[:, 2])].reshape(-1, 4)
-    return listed, todo[np.argsort(np.arange(len(todo)) * GOLDEN % 1.0)]
-
-
 # ---------------------------------------------------------------- what is in doubt
 
 
 def _settled(caster: Caster, found: Array, keys: Array) -> Array:
     """Forget doubts that later batches hide, and where some are left, add what the keys show in the end."""
     row, column = np.divmod(found["sample"], caster.view.width)
-    shown = keys[row // SIDE, column // SIDE, row % SIDE, column % SIDE]
-    gap = doubts.gap_of(doubts.depth_mask(len(caster.world.faces)), caster.eye.tie)
-    owned = shown != doubts.EMPTY
-    left = ~owned | (found["key"] <= np.where(owned, shown, 0) + np.uint64(gap))
-    last = found[left & owned]
-    last["key"], last["sure"] = shown[left & owned], True
+    shown = keys[row // LINES, column // COLUMNS, row % LINES, column % COLUMNS]
+    left = found["key"] - shown <= doubts.gap_of(doubts.depth_mask(len(caster.world.faces)), caster.eye.tie)
+    last = found[left & (shown != doubts.EMPTY)]
+    last["key"], last["sure"] = shown[left & (shown != doubts.EMPTY)], True
     return np.concatenate([found[left], np.unique(last)])
 
 
 def _pieces(world: World, found: Array) -> Array:
     """Return which piece each doubt is about."""
-    return (found["key"] & number_bits(len(world.faces))).astype(np.int64)
+    return np.asarray(found["key"] & number_bits(len(world.faces)))

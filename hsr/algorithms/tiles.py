@@ -1,7 +1,7 @@
 """The depth buffer, certified: half-space tests in float64, and what they leave in doubt decided exactly.
 
 The same contract as :mod:`hsr.algorithms.scanline`, by another kernel, several times faster. Vertices are
-projected, with bounds of their errors; clusters of triangles go through strips of the image, nearest first,
+projected, with bounds of their errors; clusters of triangles go through tiles of the image, nearest first,
 while those behind what is already there are left out (:mod:`hsr.kernels.tiles`). Every decision that rounding
 might turn is noted instead of taken, and taken afterwards in exact arithmetic
 (:mod:`hsr.algorithms.resolve`). So the face of every sample is the true one, ties included: that of
@@ -35,7 +35,7 @@ TIE = 2.0**-36
 """Least error of a key depth, in which all that may be seen lies 0.75 apart, that counts as certain."""
 
 ROOM = 256
-"""Doubts of a strip for which there is room at first; a strip with more is drawn again."""
+"""Doubts of a tile for which there is room at first; a tile with more is drawn again."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def render(view: View, options: Options) -> VisibilityMap:
         elsewhere its inverse (under perspective; in a parallel view it itself) is within 2^-35 of the
         range of what is seen. ``seconds``: ``prepare`` puts the triangles into world space and in order,
         and makes room for the answer; ``render`` is all the rest. ``work``: ``triangles``,
-        ``clusters_drawn`` and ``clusters_hidden``, ``triangles_drawn``, each once for every strip of the
+        ``clusters_drawn`` and ``clusters_hidden``, ``triangles_drawn``, each once for every tile of the
         image, ``uncertain`` samples, which were decided exactly, and ``buffer_bytes``, those of the answer.
     """
     clock = Clock()
@@ -144,12 +144,13 @@ def mesh_of(view: View) -> Mesh:
 def clustered(view: View, chosen: Array, faces: Ints) -> Mesh:
     """Put some triangles (n,) of the fans in clusters; ``faces`` (all,) is what they shall show."""
     polygons = view.polygons
+    vertex, place = along_the_curve(polygons.vertices, polygons.vertices)
     low, high = hierarchy.boxes_of(polygons.vertices, polygons.triangle_vertex[chosen])
-    _, order = hierarchy.radix_sort(hierarchy.morton_codes(low, high))
+    order, _ = along_the_curve(low, high)
     number, first = chosen[order].astype(np.int32), np.arange(0, len(order), CLUSTER)
     return Mesh(
-        polygons.vertices,
-        polygons.triangle_vertex[number],
+        polygons.vertices[vertex],
+        place[polygons.triangle_vertex[number]],
         polygons.cull[polygons.triangle_polygon[number]],
         faces[number],
         number,
@@ -157,6 +158,14 @@ def clustered(view: View, chosen: Array, faces: Ints) -> Mesh:
         np.maximum.reduceat(high[order], first),
         world_slack(view),
     )
+
+
+def along_the_curve(low: Floats, high: Floats) -> tuple[Ints, Ints]:
+    """Return the order of boxes along a Morton curve, and the place of each in it: neighbours get close."""
+    _, order = hierarchy.radix_sort(hierarchy.morton_codes(low, high))
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order), dtype=order.dtype)
+    return order, place
 
 
 def world_slack(view: View) -> Floats:
@@ -214,10 +223,12 @@ def eye_between(view: View, error: Floats, least: float, most: float) -> Eye:
     eye = Eye(view.perspective, *size_of_image, error[0], error[1], error[2], front, 0.0, 0.0, 0.0, 0.0)
 
     # Spread key depths over what may be seen, but not over less than can be told apart.
-    slack = halfspaces.nearness_error(front, eye)
+    with np.errstate(over="ignore"):  # an infinite bound is a bound
+        slack = halfspaces.nearness_error(front, eye)
     apart = max(front - back, 2.0**-12 * max(abs(front), abs(back)), slack, np.finfo(float).tiny)
     eye = eye._replace(scale=(BACK - FRONT) / apart)
-    near_key, far_key = halfspaces.key_depth(near, eye), halfspaces.key_depth(far, eye)
+    with np.errstate(over="ignore"):
+        near_key, far_key = halfspaces.key_depth(near, eye), halfspaces.key_depth(far, eye)
     return eye._replace(near=near_key, far=far_key, tie=min(max(TIE, 4.0 * slack * eye.scale), LOOSE))
 
 
@@ -236,6 +247,7 @@ def draw(
         Room for the projected vertices.
     certified : bool
     answer : (face, depth)
+        They show the background.
 
     Returns
     -------
@@ -247,7 +259,7 @@ def draw(
     halfspaces.project(mesh.vertices, rows, eye, screen)
     extent = np.empty((len(mesh.low), 5))
     tiles.reach(mesh.low, mesh.high, rows, eye, extent)
-    listed, todo = tiles.deal(extent, np.argsort(extent[:, 4], kind="stable"), view.height)
+    listed, todo = tiles.deal(extent, np.argsort(extent[:, 4], kind="stable"), view.width, view.height)
     chosen = loose_triangles(screen, mesh.corner, eye)
     clip = to_clip(mesh.vertices[mesh.corner[chosen].ravel()], rows).reshape(-1, 3, 3)
     loose = loose_tables(view, clip, mesh.number[chosen], chosen, eye)
@@ -262,23 +274,23 @@ def draw(
         if noted is not None:
             found += [noted[k, : used[k]] for k in np.flatnonzero(used <= room)]
         total += counts[used <= room].sum(axis=0)
-        # Settling a strip at most doubles its doubts.
+        # Settling a tile at most doubles its doubts.
         todo, room = todo[used > room], 2 * int(used.max())
     return np.concatenate(found), total
 
 
 def _number(mesh: Mesh, found: Array) -> Array:
     """Return which triangle each doubt is about."""
-    return (found["key"] & number_bits(len(mesh.corner))).astype(np.int64)
+    return np.asarray(found["key"] & number_bits(len(mesh.corner)))
 
 
-def number_bits(count: int) -> np.uint64:
+def number_bits(count: int) -> int:
     """Return the bits of a key that tell so many triangles apart."""
-    return ~np.uint64(doubts.depth_mask(count))
+    return int(doubts.EMPTY) - int(doubts.depth_mask(count))
 
 
 def format_of(view: View, count: int, eye: Eye) -> dict[str, Any]:
     """Describe the key depths of so many triangles as window depths, 0 at near and 1 at far."""
-    step = (float(number_bits(count)) + 1.0) * 2.0**-64 / eye.scale
+    step = (number_bits(count) + 1.0) * 2.0**-63 / eye.scale
     whole = nearness_of(view.near, view.perspective) - nearness_of(view.far, view.perspective)
     return depth_format("window", step / whole, view.near, view.far, view.perspective)

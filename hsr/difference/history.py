@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -325,6 +326,8 @@ class _Telling:
         shown = self.shown
         of_shown = self.depth if shown is None or shown.depth is None else shown.depth
         gap, name = float(depth - of_shown), self.name(self.face)
+        if math.isnan(gap):
+            return f"passed over for {name}, whose depth is not told"
         if gap == 0.0:
             return f"as deep as {name}"
         return (

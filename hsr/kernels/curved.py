@@ -185,7 +185,7 @@ def cast_into_quadric(
     Parameters
     ----------
     thing : QUADRIC
-    keys : (lines, columns + LANES) uint64
+    keys : (lines, columns + LANES) int64
     window : Window
     eye : Eye
     doubts : (room,) DOUBT or None
@@ -228,7 +228,7 @@ def offer(
     if hit.margin <= -1.0:
         return
     z, error, margin = key_hit(hit, eye)
-    number = np.uint64(piece)
+    number = piece
     if margin >= (0.0 if doubts is None else 1.0):
         take(key_of(z, window.mask, number), line, column, keys, window, doubts, counts)
     elif doubts is not None and not margin <= -1.0:

@@ -38,7 +38,7 @@ the true x and y may be away: ``ANYWHERE`` for a vertex at or behind the eye."""
 ANYWHERE = 2.0**99
 """An error beyond all images."""
 
-CLUSTER = 64
+CLUSTER = 32
 """Triangles in a table, set up side by side. Its parts follow each other, CLUSTER numbers each, in one array
 of one dimension: so the compiler knows them apart."""
 

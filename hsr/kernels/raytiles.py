@@ -23,7 +23,7 @@ import numpy as np
 from hsr.arrays import Array, Floats, Ints
 from hsr.jit import jit, parallel_jit, prange
 from hsr.kernels.curved import cast_into_quadric
-from hsr.kernels.doubts import EMPTY, Window, depth_mask, gap_of, read_out, settle
+from hsr.kernels.doubts import EMPTY, Window, depth_mask, gap_of, settle
 from hsr.kernels.halfspaces import (
     CLUSTER,
     CULL,
@@ -44,13 +44,17 @@ from hsr.kernels.halfspaces import (
     set_up,
 )
 from hsr.kernels.hierarchy import INNER, STACK
-from hsr.kernels.tiles import CELL, STRIP, cells_of, draw_table, farthest_in, is_hidden, reach_box
-
-SIDE = STRIP
-"""Samples along each side of a tile."""
-
-CELLS = SIDE // CELL
-"""Cells along each side of a tile."""
+from hsr.kernels.tiles import (
+    CELL,
+    COLUMNS,
+    LINES,
+    cells_of,
+    draw_table,
+    farthest_in,
+    is_hidden,
+    reach_box,
+    show,
+)
 
 NODES, EXTENTS = 2, 3
 """Columns of the counts of a tile, after those of its window: nodes visited, and objects looked at."""
@@ -94,8 +98,8 @@ triangles, in the order of the leaves; ``first`` and ``count`` (N, 2) of the nod
 of its own mesh."""
 
 Kept = tuple[Array, Floats]
-"""Keys (rows, columns, SIDE, SIDE + LANES) uint64 of all tiles, and the farthest key depth of each of their
-cells (rows, columns, CELLS, CELLS)."""
+"""Keys (rows, columns, LINES, COLUMNS + LANES) int64 of all tiles, and the farthest key depth of each of
+their cells (rows, columns, cells down, cells across)."""
 
 Image = tuple[Ints, Ints, Floats]
 """The face (pieces,) of each piece; face and depth (H, W) of the image."""
@@ -135,10 +139,11 @@ def may_show(extent: Floats, eye: Eye, farthest: Floats) -> Array:
     seen = np.zeros(len(extent), np.bool_)
     for k in range(len(extent)):
         left, right, top, bottom = extent[k, 0], extent[k, 1], extent[k, 2], extent[k, 3]
-        for row in range(int(top) // CELL, (int(bottom) - 1) // CELL + 1):
-            for column in range(int(left) // CELL, (int(right) - 1) // CELL + 1):
-                tile, place = farthest[row // CELLS, column // CELLS], (row % CELLS, column % CELLS)
-                seen[k] |= not extent[k, 4] - eye.tie > tile[place]
+        for line in range(int(top) // CELL * CELL, int(bottom), CELL):
+            for column in range(int(left) // CELL * CELL, int(right), CELL):
+                tile = farthest[line // LINES, column // COLUMNS]
+                cell = tile[line % LINES // CELL, column % COLUMNS // CELL]
+                seen[k] |= not extent[k, 4] - eye.tie > cell
     return seen
 
 
@@ -261,6 +266,7 @@ def cast(
     kept : Kept or None
         What the tiles show from batch to batch; None if there is one batch.
     image : Image
+        It shows the background, or what earlier batches left.
     doubts : (k, room) DOUBT or None
     counts : (k, COUNTS) int64
     """
@@ -287,13 +293,15 @@ def cast_tile(
     quadrics, loose = special
     faces, face, depth = image
     mask = depth_mask(len(faces))
-    window = Window(tile[0] * SIDE, tile[1] * SIDE, face.shape[1], mask, gap_of(mask, eye.tie))
+    line, column = tile[0] * LINES, tile[1] * COLUMNS
+    window = Window(line, column, face.shape[1], mask, gap_of(mask, eye.tie))
     if kept is None:
-        keys, farthest = np.empty((SIDE, SIDE + LANES), np.uint64), np.empty((CELLS, CELLS))
-        clear(keys, farthest, len(face) - window.line, window.width - window.column)
+        lines, columns = min(LINES, face.shape[0] - line), min(COLUMNS, face.shape[1] - column)
+        keys = np.full((lines, columns + LANES), EMPTY, np.int64)
+        farthest = np.full((LINES // CELL, COLUMNS // CELL), np.inf)
     else:
         keys, farthest = kept[0][tile[0], tile[1]], kept[1][tile[0], tile[1]]
-    stale = np.zeros((CELLS, CELLS), np.bool_)
+    stale, drawn = np.zeros(farthest.shape, np.bool_), np.zeros(farthest.shape, np.bool_)
     members, extent = laid[0], laid[1]
 
     # Go through the objects, nearest first, but for the hidden ones.
@@ -307,28 +315,20 @@ def cast_tile(
         else:
             cast_into_quadric(quadrics[members[m]["quadric"]], keys, window, eye, doubts, counts)
             stale[cells[0] : cells[1], cells[2] : cells[3]] = True
+        drawn[cells[0] : cells[1], cells[2] : cells[3]] = True
 
+    # Test what no hierarchy has, and read the answer out.
+    drawn[:] |= len(loose) > 0
     for t in range(len(loose)):
         draw_table(loose[t], CLUSTER, keys, window, eye, farthest, doubts, counts)
-        stale[:] = True
-
-    # Note how far the tile shows for the next batch, and what it shows.
-    if kept is not None:
-        for row in range(CELLS):
-            for column in range(CELLS):
-                farthest[row, column] = farthest_in(keys, row * CELL, column * CELL)
     if doubts is not None:
         settle(keys, window, doubts, counts)
-    read_out(keys, window, faces, eye, face, depth)
+    show(keys, window, drawn, faces, eye, face, depth)
 
-
-@jit
-def clear(keys: Array, farthest: Floats, lines: int, columns: int) -> None:
-    """Empty a tile; samples beyond the last lines and columns, which the image has not, hide everything."""
-    farthest[:] = np.inf
-    for line in range(SIDE):
-        for column in range(SIDE + LANES):
-            keys[line, column] = EMPTY if line < lines and column < columns else np.uint64(0)
+    # Note for the next batch how far the tile shows.
+    if kept is not None:
+        for row, place in np.argwhere(drawn):
+            farthest[row, place] = farthest_in(keys, row * CELL, place * CELL)
 
 
 @jit

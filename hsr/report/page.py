@@ -59,14 +59,7 @@ def write_report(
 def _render(studies: Sequence[Study], title: str) -> str:
     album = Album()
     scenes = [gather(found, album) for found in studies]
-    here = files("hsr.report")
-    environment = Environment(
-        loader=PackageLoader("hsr.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = templates()
     environment.filters |= {"figures": _figures, "milliseconds": _milliseconds, "note": _note, "size": _size}
     return environment.get_template("report.html").render(
         title=title,
@@ -83,9 +76,25 @@ def _render(studies: Sequence[Study], title: str) -> str:
         date=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         environment=_environment(studies),
         lab={"pictures": album.uris, "scenes": scenes},
-        style=Markup(here.joinpath("templates", "report.css").read_text(encoding="utf-8")),
-        script=Markup(here.joinpath("viewer.js").read_text(encoding="utf-8")),
+        style=part("templates/report.css"),
+        script=part("viewer.js"),
     )
+
+
+def templates() -> Environment:
+    """Return the templates of pages; what is put into them is escaped."""
+    return Environment(
+        loader=PackageLoader("hsr.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+
+
+def part(name: str) -> Markup:
+    """Return a style or script of this package, to stand in a page as it is."""
+    return Markup(files("hsr.report").joinpath(name).read_text(encoding="utf-8"))
 
 
 ABOUT = {

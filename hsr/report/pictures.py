@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import base64
 import io
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -124,6 +125,67 @@ def gather(study: Study, album: Album) -> dict[str, Any]:
         "reference": names.index(first),
         "methods": [method(name, map) for name, map in study.maps.items()],
     }
+
+
+def gather_pair(key: str, name: str, found: Difference, album: Album) -> dict[str, Any]:
+    """Put the pictures of one difference into the album: the reference, then what was judged.
+
+    Parameters
+    ----------
+    key : str
+        By which an address names it.
+    name : str
+        What to call the judged map.
+    found : Difference
+    album : Album
+
+    Returns
+    -------
+    dict
+        JSON values for the viewer, as :func:`gather` returns them, and ``key``.
+    """
+    span, faces = depth_span(found.b), face_picture(found.b)
+    face_base = album.add(_opaque(faces))
+    both_tell = found.a.tells_depth and found.b.tells_depth
+    grey, greys = depth_picture(found.a, span), depth_picture(found.b, span)
+    expected: dict[str, Layers] = {"faces": [(face_base, 1.0)]}
+    shown = {
+        "difference": [(face_base, FAINT), (album.add(_class_picture(found)), 1.0)],
+        "faces": _layered(album, face_base, face_picture(found.a), found.a.face != found.b.face),
+    }
+    if both_tell:
+        depth_base = album.add(_opaque(greys))
+        expected["depth"] = [(depth_base, 1.0)]
+        shown["depth"] = _layered(album, depth_base, grey, grey != greys)
+    boxes = [list(cluster.box) for cluster in found.clusters[:BOXES]]
+    methods: list[dict[str, Any]] = [
+        {"name": found.b.method, "layers": expected, "boxes": []},
+        {"name": name, "layers": shown, "boxes": boxes},
+    ]
+    return _scene(key, (found.a.width, found.a.height), methods)
+
+
+def gather_pictures(key: str, pictures: Mapping[str, Pixels], album: Album) -> dict[str, Any]:
+    """Put pictures that are only looked at into the album; for the viewer like :func:`gather_pair`.
+
+    Parameters
+    ----------
+    key : str
+    pictures : mapping of str to (H, W) or (H, W, 3) uint8
+        One or more of one size, by name.
+    album : Album
+    """
+    methods = [
+        {"name": name, "layers": {"picture": [(album.add(_opaque(picture)), 1.0)]}, "boxes": []}
+        for name, picture in pictures.items()
+    ]
+    height, width = next(iter(pictures.values())).shape[:2]
+    return _scene(key, (width, height), methods)
+
+
+def _scene(key: str, size: tuple[int, int], methods: list[dict[str, Any]]) -> dict[str, Any]:
+    width, height = size
+    return {"key": key, "name": key, "width": width, "height": height, "reference": 0, "methods": methods}
 
 
 def _layered(album: Album, base: int, picture: Pixels, differs: Array) -> Layers:

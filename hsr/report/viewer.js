@@ -102,7 +102,7 @@
   function show() {
     for (const pane of panes) {
       const { layers } = scene.methods[pane.method];
-      const kind = pane.kind in layers ? pane.kind : "faces"; // the reference differs from nothing
+      const kind = [pane.kind, "faces", "picture"].find((name) => name in layers); // the reference differs from nothing
       fill(pane.stack, scene, pane.method, kind);
       pane.stack.lastElementChild.append(frame("cursor", 0, 0, 1, 1), frame("cursor", 0, 0, 1, 1));
       pane.choose.method.value = pane.method;
@@ -245,4 +245,17 @@
   for (const button of dialog.querySelectorAll("[data-key]")) {
     button.addEventListener("click", () => actions[button.dataset.key]());
   }
+
+  /** Open what the address names: #check=KEY&x=COLUMN&y=ROW. */
+  function follow() {
+    const named = new URLSearchParams(location.hash.slice(1));
+    const found = lab.scenes.find(({ key }) => key !== undefined && key === named.get("check"));
+    if (!found) return;
+    open(found, found.methods.length - 1, "difference");
+    if (!named.has("x")) return;
+    centre(Number(named.get("y")) + 0.5, Number(named.get("x")) + 0.5, MAX_SCALE / 4);
+    move(Number(named.get("y")), Number(named.get("x")));
+  }
+  addEventListener("hashchange", follow);
+  follow();
 })();
