@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from math import isqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -73,7 +73,7 @@ class _Sight(NamedTuple):
     perspective: bool
 
 
-def _set_up(one: Array, sight: _Sight) -> None:
+def _set_up(one: Any, sight: _Sight) -> None:
     """Fill in the coefficients of one ``QUADRIC``."""
     axes = 3 if one["kind"] == Kind.SPHERE else 2
     k, l, m = _equation(sight, axes)  # noqa: E741

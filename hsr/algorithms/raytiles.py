@@ -3,9 +3,10 @@
 The rays of a tile of the image go together through hierarchies that are refitted to the screen
 (:mod:`hsr.kernels.raytiles`), and meet triangles by the tests of the depth buffer, spheres and cylinders as
 quadrics on the screen (:mod:`hsr.kernels.curved`). Squares, cubes and polyhedra are met face by face, as the
-fans of triangles that their polygons mean. Every decision that rounding might turn is noted instead of
-taken, and taken afterwards in exact arithmetic (:mod:`hsr.algorithms.resolve`). So the face of every sample
-is the true one, ties included, curved shapes too.
+fans of triangles that their polygons mean; single rays cut them by half-spaces
+(:mod:`hsr.kernels.quadrics`). Every decision that rounding might turn is noted instead of taken, and taken
+afterwards in exact arithmetic (:mod:`hsr.algorithms.resolve`). So the face of every sample is the true one,
+ties included, curved shapes too.
 """
 
 from __future__ import annotations
@@ -105,8 +106,6 @@ class Mesh(NamedTuple):
     box: Floats
 
 
-NOTHING = np.empty((0, 3)), *(np.empty(shape, np.int32) for shape in ((0, 3), 0, (0, 2)))
-
 MeshKind = tuple[Shape, bool]
 """A shape, and whether its object is mirrored: the fans of its polygons then run the other way round."""
 
@@ -116,7 +115,8 @@ _meshes: WeakKeyDictionary[Shape, dict[bool, Mesh]] = WeakKeyDictionary()
 def mesh_of(shape: Shape, mirrored: bool) -> Mesh:
     """Build the hierarchy of a shape, once for all its instances and views."""
     if shape.polygons is None:
-        return Mesh(*NOTHING, box_of(shape))
+        corner, number, tree = (np.empty(size, np.int32) for size in ((0, 3), 0, (0, 2)))
+        return Mesh(np.empty((0, 3)), corner, number, tree, box_of(shape))
     built = _meshes.setdefault(shape, {})
     if mirrored not in built:
         polygons, box = shape.polygons, box_of(shape)
@@ -220,7 +220,7 @@ def _room(members: Array) -> Room:
 def clip_matrices(view: View) -> Floats:
     """Return the matrices (n, 3, 4) that carry the objects' points (x, y, z, 1) to clip space (x, y, d)."""
     matrices = np.array([placement.world_from_object for placement in view.placements])
-    return clip_rows(view.clip_from_world, view.depth_row) @ matrices
+    return np.asarray(clip_rows(view.clip_from_world, view.depth_row) @ matrices)
 
 
 def eye_of(view: View, world: World, rows: Floats) -> Eye:
@@ -351,14 +351,14 @@ def _loose(caster: Caster, laid: raytiles.Laid) -> Floats:
     """Set up the triangles of a batch of which a corner is not certain."""
     members, _, screen, _ = laid
     uncertain = np.flatnonzero(~(screen[:, ERROR] <= LOOSE))
-    clip, pieces = [np.empty((0, 3, 3))], [np.empty(0, np.int64)]
+    clip, pieces = [np.empty((0, 3, 3))], [np.empty(0, np.int32)]
     for member in members[np.unique(np.searchsorted(members["to_screen"], uncertain, "right") - 1)]:
         vertices, corner, number = _own(caster.world, member)
         projected = screen[member["to_screen"] :][: len(vertices)]
         chosen = loose_triangles(projected, corner, caster.eye)
         corners = to_clip(vertices[corner[chosen].ravel()], caster.rows[member["object"]])
         clip.append(corners.reshape(-1, 3, 3))
-        pieces.append(member["piece"] + number[chosen])
+        pieces.append(number[chosen] + np.int32(member["piece"]))
     piece = np.concatenate(pieces)
     return loose_tables(caster.view, np.concatenate(clip), piece, piece, caster.eye)
 

@@ -25,7 +25,7 @@ import numpy as np
 from hsr.arrays import Array, Floats
 from hsr.jit import jit
 from hsr.kernels.doubts import TRIANGLES, Window, is_hidden, key_of, take, write
-from hsr.kernels.halfspaces import BACK, LANES, Eye, U, key_depth, nearness_error
+from hsr.kernels.halfspaces import ANYWHERE, BACK, LANES, Eye, U, key_depth, nearness_error
 
 CYLINDER = 4
 """The kind of a cylinder."""
@@ -86,13 +86,13 @@ MISS = Hit(0.0, 0.0, -1.0)
 @jit
 def affine(c: Floats, x: float, y: float) -> float:
     """Return ``c . (1, x, y)``."""
-    return c[0] + c[1] * x + c[2] * y
+    return float(c[0] + c[1] * x + c[2] * y)
 
 
 @jit
 def quadratic(c: Floats, x: float, y: float) -> float:
     """Return ``c . (1, x, y, x^2, x y, y^2)``."""
-    return c[0] + (c[1] + c[3] * x + c[4] * y) * x + (c[2] + c[5] * y) * y
+    return float(c[0] + (c[1] + c[3] * x + c[4] * y) * x + (c[2] + c[5] * y) * y)
 
 
 @jit
@@ -100,10 +100,10 @@ def quotient(a: float, a_error: float, b: float, b_error: float) -> tuple[float,
     """Divide, and bound the error.
 
     (a + da) / (b + db) is off by (|da| + |a / b| |db|) / |b|, at most twice that if |db| is at most half of
-    |b|, and by anything beyond.
+    |b|, and by anything beyond: more than any v that counts.
     """
     if b == 0.0 or b_error > 0.5 * abs(b):
-        return 0.0, np.inf
+        return 0.0, ANYWHERE
     value = a / b
     return value, 2.0 * (a_error + abs(value) * b_error) / abs(b) + 2.0 * U * abs(value)
 

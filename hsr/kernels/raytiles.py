@@ -214,8 +214,9 @@ def reach_leaves(
         noted = extent[member["to_extent"] + k]
         noted[0], noted[1] = samples_between(left, right, error, eye.width)
         noted[2], noted[3] = samples_between(top, bottom, error, eye.height)
-        noted[4] = key_depth(nearest, eye) - nearness_error(nearest, eye) * eye.scale
-        if not (noted[0] < noted[1] and noted[2] < noted[3]):
+        if noted[0] < noted[1] and noted[2] < noted[3]:
+            noted[4] = key_depth(nearest, eye) - nearness_error(nearest, eye) * eye.scale
+        else:
             # What covers nothing adds nothing where extents are joined.
             noted[0], noted[1], noted[2], noted[3], noted[4] = eye.width, 0.0, eye.height, 0.0, np.inf
 

@@ -1,99 +1,111 @@
-"""Tiles: what they reach, what hides it, and the rows of rays."""
+"""Hierarchies on the screen: what lies below a node lies within its extent, and what hides it."""
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 import pytest
 
+from hsr.algorithms import raytiles as tiles_of_rays
 from hsr.kernels import raytiles
-from hsr.kernels.bounds import NOWHERE, Reach
-from hsr.kernels.rays import NO_OWNER, Camera, covered_nearness, facet_of, row_of
-from hsr.kernels.raytiles import REACH, SIDE, TILE, area_of
+from hsr.kernels.halfspaces import ERROR, LOOSE, NEARNESS, X, Y, key_depth
+from hsr.kernels.hierarchy import INNER
+from hsr.kernels.tiles import CELL, COLUMNS, LINES
+from tests.conftest import JIT
+from tests.exact.adversarial import adversarial
 
-CAMERA = Camera(True, 0.5, math.inf, 2.0, 0.0, 40, 20)
-
-
-def empty_tile():
-    tile = np.zeros(1, TILE)
-    tile["face"] = NO_OWNER
-    return tile[0]
+SEEDS = [seed for seed in range(120 if JIT else 16) if seed % 4]
 
 
-def noted(*reaches):
-    table = np.zeros(len(reaches) + 1, REACH)
-    for k, reach in enumerate(reaches):
-        raytiles.note_reach(table[k], reach, CAMERA)
-    return table
+def laid_out(seed):
+    """Lay out all objects of an adversarial view, and return the view's eye, its meshes, and their place."""
+    view = adversarial(seed)
+    meshes = {(p.shape, p.mirrored): tiles_of_rays.mesh_of(p.shape, p.mirrored) for p in view.placements}
+    world = tiles_of_rays._world(view, meshes)
+    rows = tiles_of_rays.clip_matrices(view)
+    eye = tiles_of_rays.eye_of(view, world, rows)
+    caster = tiles_of_rays.Caster(view, world, rows, eye, True, (world.faces, None, None))
+    extent, _ = tiles_of_rays._extents(caster)
+    return (
+        eye,
+        world.shapes,
+        tiles_of_rays._lay_out(caster, world.members, extent, tiles_of_rays._room(world.members)),
+    )
 
 
-def test_the_last_tile_ends_with_the_image():
-    assert area_of(0, 0, CAMERA) == (0, 0, 15, 15, -19.5, -9.5)
-    assert area_of(1, 2, CAMERA) == (32, 16, 39, 19, 12.5, 6.5)
+def below(tree, k):
+    """Yield the triangles of all leaves below a node."""
+    first, count = tree[k]
+    if count == INNER:
+        yield from below(tree, first)
+        yield from below(tree, first + 1)
+    else:
+        yield from range(first, first + count)
 
 
-def test_a_joint_reach_holds_its_parts_and_nowhere_adds_nothing():
-    table = noted(Reach(-5.0, -2.0, 0.0, 3.0, 0.5), NOWHERE, Reach(1.0, 4.0, -8.0, 1.0, 0.25))
-    raytiles.join(table, 3, 0, 3)
-    assert table[3].tolist() == (15, 23, 2, 12, 0.5)
-    raytiles.join(table, 3, 1, 1)
-    assert table[3]["left"] > table[3]["right"]
+@pytest.mark.parametrize("share", range(4))
+def test_the_extent_of_a_node_holds_all_certain_triangles_below_it(share):
+    asked = 0
+    for seed in SEEDS[share::4]:
+        eye, (_, corner, _, tree), (members, _, screen, extent) = laid_out(seed)
+        for member in members:
+            own = tree[member["node"] : member["node"] + member["nodes"]]
+            for k in range(len(own)):
+                triangles = member["triangle"] + np.fromiter(below(own, k), np.int64)
+                corners = screen[member["to_screen"] + corner[triangles]]
+                certain = (corners[..., ERROR] <= LOOSE).all(axis=1)
+                asked += holds(extent[member["to_extent"] + k], corners[certain], eye)
+    assert asked > (40 if JIT else 0)
 
 
-def test_what_cannot_show_is_passed_by():
-    table = noted(Reach(-20.0, -10.0, -10.0, 0.0, 0.5))
-    reach, tile = table[0], empty_tile()
-    assert raytiles.can_show(reach, area_of(0, 0, CAMERA), tile)
-    assert not raytiles.can_show(reach, area_of(0, 1, CAMERA), tile)
-    assert not raytiles.can_show(reach, area_of(1, 0, CAMERA), tile)
-    tile["floor"] = 0.5
-    assert raytiles.can_show(reach, area_of(0, 0, CAMERA), tile)
-    tile["floor"] = math.nextafter(0.5, 1.0)
-    assert not raytiles.can_show(reach, area_of(0, 0, CAMERA), tile)
+def holds(extent, corners, eye):
+    """Check that an extent holds the samples in rectangles around triangles (n, 3, 4), and their depths."""
+    low, high = corners[..., [X, Y]].min(axis=1), corners[..., [X, Y]].max(axis=1)
+    first, last = np.ceil(low - 0.5), np.floor(high - 0.5)
+    first, last = np.maximum(first, 0.0), np.minimum(last, [eye.width - 1.0, eye.height - 1.0])
+    covers = (first <= last).all(axis=1)
+    if not covers.any():
+        return 0
+    first, last = first[covers].min(axis=0), last[covers].max(axis=0)
+    assert extent[0] <= first[0] and last[0] < extent[1]
+    assert extent[2] <= first[1] and last[1] < extent[3]
+    assert extent[4] <= key_depth(corners[covers][..., NEARNESS].max(), eye)
+    return 1
 
 
-def test_an_object_is_hidden_if_all_its_tiles_show_something_nearer():
-    table = noted(Reach(-20.0, 1.0, -10.0, 10.0, 0.5))
-    tiles = np.zeros((2, 3), TILE)
-    tiles["floor"] = 1.0
-    assert raytiles.is_hidden(table[0], tiles)
-    tiles["floor"][1, 1] = 0.25
-    assert not raytiles.is_hidden(table[0], tiles)
-    tiles["floor"][1, 1], tiles["floor"][0, 2] = 1.0, 0.25
-    assert raytiles.is_hidden(table[0], tiles)
+@pytest.mark.parametrize("seed", [1, 2, 3, 5, 6, 7])
+def test_numbers_are_those_of_the_pieces(seed):
+    """The hierarchy turns the fans of mirrored objects as the exact decisions do, and loses no triangle."""
+    view = adversarial(seed)
+    for placement in view.placements:
+        mesh = tiles_of_rays.mesh_of(placement.shape, placement.mirrored)
+        assert sorted(mesh.number) == list(range(len(mesh.corner)))
+        first = view.placements.index(placement)
+        fans = view.polygons.triangle_vertex
+        start = sum(len(p.shape.polygons.triangle_vertex) for p in view.placements[:first])
+        offset = sum(len(p.shape.polygons.vertices) for p in view.placements[:first])
+        assert (fans[start + mesh.number] - offset == mesh.corner).all()
 
 
-def test_the_floor_is_the_least_nearness():
-    tile = empty_tile()
-    tile["nearness"] = np.random.default_rng(6).uniform(1.0, 2.0, (SIDE, SIDE))
-    raytiles.raise_floor(tile)
-    assert tile["floor"] == tile["nearness"].min()
+def test_an_object_may_show_unless_all_its_cells_show_something_nearer():
+    eye = tiles_of_rays.eye_of(*_any())
+    farthest = np.full((2, 2, LINES // CELL, COLUMNS // CELL), 1.2)
+    across = np.array([[COLUMNS - 20.0, COLUMNS + 20.0, LINES - 20.0, LINES + 20.0, 1.5]])
+    assert not raytiles.may_show(across, eye, farthest)[0]
+    reached = [(0, 0, -2, -2), (0, 0, -1, -1), (0, 1, -1, 1), (1, 0, 0, -1), (1, 1, 1, 1)]
+    for cell in reached:
+        farthest[cell] = np.inf
+        assert raytiles.may_show(across, eye, farthest)[0], cell
+        farthest[cell] = 1.2
+    for cell in [(0, 0, 0, 0), (0, 1, -3, 0), (1, 1, 2, 0), (1, 1, 0, 2)]:
+        farthest[cell] = np.inf
+        assert not raytiles.may_show(across, eye, farthest)[0], cell
+        farthest[cell] = 1.2
+    as_near = np.array([[0.0, 1.0, 0.0, 1.0, 1.2]])
+    assert raytiles.may_show(as_near, eye, farthest)[0]
 
 
-@pytest.mark.parametrize("face", [3, 8])
-def test_a_row_of_rays_is_sixteen_single_rays(face):
-    random = np.random.default_rng(7)
-    area = area_of(0, 1, CAMERA)
-    for _ in range(30):
-        x, y, d = random.uniform(-12, 12, 3), random.uniform(-12, 4, 3), random.uniform(0.6, 4.0, 3)
-        corners = [(x[k] * d[k], y[k] * d[k], d[k], 1.0 / d[k]) for k in range(3)]
-        facet = facet_of(*corners, True, 0, False)
-        tile = empty_tile()
-        tile["nearness"], tile["face"] = 0.4, 5
-        for row in range(SIDE):
-            raytiles.cast_into_row(facet, face, row, area, CAMERA.closest, tile)
-            for i in range(SIDE):
-                here = covered_nearness(row_of(facet, area.y + row), area.x + i, CAMERA.closest)
-                wins = here > 0.4 or (here == 0.4 and face < 5)
-                assert tile["face"][row, i] == (face if wins else 5)
-                assert tile["nearness"][row, i] == (here if wins else 0.4)
-
-
-@pytest.mark.parametrize(("face", "owner"), [(3, 3), (8, 5)])
-def test_of_equal_nearness_the_lower_face_wins(face, owner):
-    facet = facet_of((-90.0, -90.0, 2.0, 0.5), (90.0, -90.0, 2.0, 0.5), (0.0, 90.0, 2.0, 0.5), True, 0, False)
-    tile = empty_tile()
-    tile["nearness"], tile["face"] = 0.5, 5
-    raytiles.cast_into_row(facet, face, 4, area_of(0, 1, CAMERA), 2.0, tile)
-    assert (tile["face"][4] == owner).all()
+def _any():
+    view = adversarial(1)
+    meshes = {(p.shape, p.mirrored): tiles_of_rays.mesh_of(p.shape, p.mirrored) for p in view.placements}
+    world = tiles_of_rays._world(view, meshes)
+    return view, world, tiles_of_rays.clip_matrices(view)
