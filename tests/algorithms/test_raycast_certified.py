@@ -160,6 +160,17 @@ def test_batches_and_room_leave_no_trace(curved: bool, monkeypatch: pytest.Monke
         assert answer.work["uncertain"] == whole.work["uncertain"]
 
 
+def test_a_later_batch_may_hide_what_an_earlier_one_left_in_doubt(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The diagonal of the slope runs through samples; the board comes later, but is nearer to the right."""
+    corners = [[-4.0, -4.0, 4.0], [4.0, -4.0, -4.0], [4.0, 4.0, -4.0], [-4.0, 4.0, 4.0]]
+    slope = {"shape": "mesh", "vertices": corners, "faces": [[0, 1, 2], [0, 2, 3]]}
+    board = {"shape": "square", "transform": [{"scale": 1.2}, {"translate": [2.1, 2.2, 0.0]}]}
+    monkeypatch.setattr(raytiles, "BATCH", 1)
+    answer = check(above(slope, board))
+    assert (np.diag(answer.face[:, ::-1])[:4] == [0, 2, 2, 0]).all()
+    assert answer.work["uncertain"] == 6
+
+
 @pytest.mark.jit
 def test_what_is_behind_earlier_batches_is_not_walked(monkeypatch: pytest.MonkeyPatch) -> None:
     wall = {"shape": "square", "transform": [{"scale": 9.0}, {"translate": [0.3, 0.1, 2.0]}]}

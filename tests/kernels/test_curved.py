@@ -7,8 +7,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from hsr.algorithms import curved as quadrics
 from hsr.algorithms import raytiles
-from hsr.algorithms.curved import quadrics_of
 from hsr.exact.oracle import truth
 from hsr.kernels import curved
 from hsr.kernels.halfspaces import ANYWHERE, FRONT
@@ -40,7 +40,7 @@ def prepared(seen: View):
     )
     eye = raytiles.eye_of(seen, world, raytiles.clip_matrices(seen))
     box = np.array([[0.0, seen.width, 0.0, seen.height]])
-    return quadrics_of(seen, np.array([0]), np.array([0]), box, eye)[0], eye
+    return quadrics.quadrics_of(seen, np.array([0]), np.array([0]), box, eye)[0], eye
 
 
 def hits(thing, column: float, line: float, eye):
@@ -86,6 +86,52 @@ def check(nearest, face: int, depth: float, eye) -> int:
     assert piece == face
     assert abs(Fraction(float(z)) - key) <= Fraction(float(error)) + rounded
     return 1
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_coefficients_give_their_functions_within_the_bound(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    exact = []
+    equation = quadrics._equation
+
+    def noted(*arguments):
+        exact.append(equation(*arguments))
+        return exact[-1]
+
+    monkeypatch.setattr(quadrics, "_equation", noted)
+    seen, _ = alone(seed)
+    thing, _ = prepared(seen)
+    ((k, l, m),) = exact  # noqa: E741
+    r = np.outer(l, l) - k * m
+    # K was divided by a common number and rounded: that number is known but for a rounding.
+    common = Fraction(k) / Fraction(float(thing["k"]))
+    for column in range(seen.width):
+        for line in range(seen.height):
+            place = np.array([column, line, 1], object)
+            x, y = float(column), float(line)
+            for value, true, degree, size in (
+                (curved.affine(thing["l"], x, y), l @ place, 1, thing["size_l"]),
+                (curved.quadratic(thing["m"], x, y), place @ m @ place, 1, thing["size_m"]),
+                (curved.quadratic(thing["r"], x, y), place @ r @ place, 2, thing["size_r"]),
+            ):
+                error = abs(Fraction(float(value)) - Fraction(int(true)) / common**degree)
+                assert error <= Fraction(curved.FEW) * Fraction(float(size))
+
+
+@pytest.mark.parametrize("off", [-1, 0, 1, 2, 8, 1000])
+def test_roots_near_the_outline_are_within_their_bounds(off: int) -> None:
+    """Where the ray is almost a tangent, R may be anything within its bound."""
+    thing = np.zeros(1, curved.QUADRIC)[0]
+    thing["size_r"] = thing["size_l"] = thing["size_m"] = 1.0
+    r = off * curved.FEW / 2.0
+    thing["k"], thing["l"][0], thing["m"][0], thing["r"][0] = 1.0, -0.5, 0.25 - r, r
+    enter, leave = curved.meet_quadric(thing, 0.0, 0.0)
+    assert abs(enter.margin) < 1.0 if off < 2 else enter.margin >= 1.0
+    for part in (-0.9, 0.0, 0.9):
+        root = np.sqrt(max(r + part * curved.FEW, 0.0))
+        assert abs(0.5 + root - enter.v) <= enter.error
+        assert abs(0.5 - root - leave.v) <= leave.error
 
 
 def test_quotients_are_within_their_bounds() -> None:
