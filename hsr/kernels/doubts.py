@@ -293,7 +293,7 @@ def suspect(table: Floats, i: int, keys: Array, window: Window, doubts: Array, c
 def take(
     key: int, line: int, column: int, keys: Array, window: Window, doubts: Array | None, counts: Array
 ) -> None:
-    """Take one certain hit into the keys of a window, and write it down if it is not certainly nearer.
+    """Take one certain hit into the keys of a window, or write it down if it is not certain which is nearer.
 
     Parameters
     ----------
@@ -311,7 +311,6 @@ def take(
         keys[row, place] = key
     elif doubts is not None and key != old and old - key >= -gap:
         write(doubts, counts, line * window.width + column, key, True)
-        write(doubts, counts, line * window.width + column, old, True)
 
 
 @jit

@@ -44,7 +44,7 @@ def prepared(seen: View):
 
 
 def hits(thing, column: float, line: float, eye):
-    """Yield (piece, key depth, error, margin) of all hits of a ray."""
+    """Yield (piece, key depth, bound of its error, margin) of all hits of a ray."""
     enter, leave = curved.meet_quadric(thing, column, line)
     found = [(0, enter), (0, leave)]
     if thing["kind"] == curved.CYLINDER:
@@ -53,7 +53,8 @@ def hits(thing, column: float, line: float, eye):
         found += [(curved.BASE + end, curved.meet_end(end, thing, column, line)) for end in ends]
     for piece, hit in found:
         if hit.margin > -1.0:
-            yield piece, *curved.key_hit(hit, eye)
+            z, error, _ = curved.key_hit(hit, eye._replace(tie=0.0))
+            yield piece, z, error, curved.key_hit(hit, eye).margin
 
 
 @pytest.mark.parametrize("share", range(4))

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
 from hsr.algorithms import raytiles as tiles_of_rays
+from hsr.algorithms.tiles import along_the_curve
 from hsr.kernels import raytiles
-from hsr.kernels.halfspaces import ERROR, LOOSE, NEARNESS, X, Y, key_depth
+from hsr.kernels.halfspaces import ERROR, LOOSE, NEARNESS, X, Y, key_depth, nearness_error
 from hsr.kernels.hierarchy import INNER
 from hsr.kernels.tiles import CELL, COLUMNS, LINES
 from tests.conftest import JIT
 from tests.exact.adversarial import adversarial
+from tests.kernels.test_halfspaces import exact_vertices
 
 SEEDS = [seed for seed in range(120 if JIT else 16) if seed % 4]
 
@@ -30,6 +34,21 @@ def laid_out(seed):
         world.shapes,
         tiles_of_rays._lay_out(caster, world.members, extent, tiles_of_rays._room(world.members)),
     )
+
+
+def test_projected_vertices_are_within_their_bounds():
+    asked = 0
+    for seed in SEEDS[:: 1 if JIT else 4]:
+        eye, _, (_, _, screen, _) = laid_out(seed)
+        view = adversarial(seed)
+        along, (_, place) = exact_vertices(view), along_the_curve(*[view.polygons.vertices] * 2)
+        for (x, y, nearness, error), exact in zip(screen, [along[k] for k in place], strict=True):
+            if error <= LOOSE:
+                assert abs(Fraction(float(x)) - exact[0]) <= error, f"seed {seed}"
+                assert abs(Fraction(float(y)) - exact[1]) <= error, f"seed {seed}"
+                assert abs(Fraction(float(nearness)) - exact[2]) <= nearness_error(nearness, eye)
+                asked += 1
+    assert asked > (1000 if JIT else 50)
 
 
 def below(tree, k):
