@@ -290,30 +290,6 @@ def suspect(table: Floats, i: int, keys: Array, window: Window, doubts: Array, c
 
 
 @jit
-def take(
-    key: int, line: int, column: int, keys: Array, window: Window, doubts: Array | None, counts: Array
-) -> None:
-    """Take one certain hit into the keys of a window, or write it down if it is not certain which is nearer.
-
-    Parameters
-    ----------
-    key : int
-    line, column : int
-        The sample, in the image.
-    keys : (lines, columns + LANES) int64
-    window : Window
-    doubts : (room,) DOUBT or None
-    counts : (COUNTS,) int64
-    """
-    row, place = line - window.line, column - window.column
-    old, gap = keys[row, place], 0 if doubts is None else window.gap
-    if old - key > gap:
-        keys[row, place] = key
-    elif doubts is not None and key != old and old - key >= -gap:
-        write(doubts, counts, line * window.width + column, key, True)
-
-
-@jit
 def is_hidden(key: int, old: int, gap: int) -> bool:
     """Whether a key is certainly farther than what is there."""
     return bool(key - old > gap)

@@ -45,16 +45,10 @@ def prepared(seen: View):
 
 def hits(thing, column: float, line: float, eye):
     """Yield (piece, key depth, bound of its error, margin) of all hits of a ray."""
-    enter, leave = curved.meet_quadric(thing, column, line)
-    found = [(0, enter), (0, leave)]
-    if thing["kind"] == curved.CYLINDER:
-        found = [(0, curved.between_ends(hit, thing, column, line)) for _, hit in found]
-        ends = [end for end in (0, 1) if thing["shown"][end]]
-        found += [(curved.BASE + end, curved.meet_end(end, thing, column, line)) for end in ends]
-    for piece, hit in found:
+    for k, hit in enumerate(curved.hits_of(thing, column, line)):
         if hit.margin > -1.0:
             z, error, _ = curved.key_hit(hit, eye._replace(tie=0.0))
-            yield piece, z, error, curved.key_hit(hit, eye).margin
+            yield curved.piece_of(thing, k), z, error, curved.key_hit(hit, eye).margin
 
 
 @pytest.mark.parametrize("share", range(4))
