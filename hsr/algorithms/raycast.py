@@ -234,7 +234,8 @@ class _Shapes(NamedTuple):
     planes, vertices, triangles, nodes
         As for ``rays.cast``.
     places : dict
-        From shape to the values of the ``OBJECT`` fields that lead to its data.
+        From shape to where its data begin: planes or triangles (``start``, and their ``end``), vertices
+        (``vertex``), nodes (``root``).
     """
 
     planes: Floats
@@ -252,8 +253,8 @@ def _shapes(view: View) -> _Shapes:
     places: dict[Shape, dict[str, int]] = {shape: {} for shape in distinct}
     _place(places, planes, "start", "end")
     _place(places, {shape: mesh.triangles for shape, mesh in meshes.items()}, "start", "end")
-    _place(places, {shape: mesh.vertices for shape, mesh in meshes.items()}, "vertex_start", "vertex_end")
-    _place(places, {shape: mesh.nodes for shape, mesh in meshes.items()}, "root", "root_end")
+    _place(places, {shape: mesh.vertices for shape, mesh in meshes.items()}, "vertex")
+    _place(places, {shape: mesh.nodes for shape, mesh in meshes.items()}, "root")
     moved = [_moved(mesh, places[shape]) for shape, mesh in meshes.items()]
     return _Shapes(
         _joined(list(planes.values()), np.empty((0, 4))),
@@ -264,22 +265,20 @@ def _shapes(view: View) -> _Shapes:
     )
 
 
-def _place(
-    places: dict[Shape, dict[str, int]], parts: dict[Shape, Array], start_name: str, end_name: str
-) -> None:
-    """Note where each shape's array starts and ends when they follow each other."""
+def _place(places: dict[Shape, dict[str, int]], parts: dict[Shape, Array], *names: str) -> None:
+    """Note where each shape's array starts and, by a second name, ends when they follow each other."""
     start = 0
     for shape, part in parts.items():
-        places[shape] |= {start_name: start, end_name: start + len(part)}
+        places[shape] |= dict(zip(names, (start, start + len(part)), strict=False))
         start += len(part)
 
 
 def _moved(mesh: _Mesh, place: dict[str, int]) -> _Mesh:
     """Return a mesh with indices that count from the start of the joint arrays."""
-    if not (place["start"] or place["vertex_start"] or place["root"]):
+    if not any(place[name] for name in ("start", "vertex", "root")):
         return mesh
     triangles, nodes = mesh.triangles.copy(), mesh.nodes.copy()
-    triangles["corner"] += place["vertex_start"]
+    triangles["corner"] += place["vertex"]
     inner = nodes["count"] == hierarchy.INNER
     nodes["first"] += np.where(inner, place["root"], place["start"]).astype(np.int32)
     return _Mesh(mesh.vertices, triangles, nodes)
@@ -376,8 +375,8 @@ def _described(shape: Shape, place: dict[str, int]) -> Array:
     described = np.zeros(1, rays.OBJECT)
     described["kind"] = shape.kind
     described["low"], described["high"] = _extent_of(shape)
-    for name, value in place.items():
-        described[name] = value
+    for name in ("start", "end", "root"):
+        described[name] = place.get(name, 0)
     return described
 
 

@@ -3,9 +3,10 @@
 The rays of a tile of the image go together through hierarchies that are refitted to the screen
 (:mod:`hsr.kernels.raytiles`), and meet triangles by the tests of the depth buffer, spheres and cylinders as
 quadrics on the screen (:mod:`hsr.kernels.curved`). Squares, cubes and polyhedra are met face by face, as the
-fans of triangles that their polygons mean. Every decision that rounding might turn is noted instead of
-taken, and taken afterwards in exact arithmetic (:mod:`hsr.algorithms.resolve`). So the face of every sample
-is the true one, ties included, curved shapes too.
+fans of triangles that their polygons mean; single rays cut them by half-spaces
+(:mod:`hsr.kernels.quadrics`). Every decision that rounding might turn is noted instead of taken, and taken
+afterwards in exact arithmetic (:mod:`hsr.algorithms.resolve`). So the face of every sample is the true one,
+ties included, curved shapes too.
 """
 
 from __future__ import annotations
@@ -19,16 +20,15 @@ import numpy as np
 
 from hsr.algorithms.curved import quadrics_of
 from hsr.algorithms.loose import loose_tables, loose_triangles
-from hsr.algorithms.resolve import Resolved, first_pieces, resolve
-from hsr.algorithms.tiles import eye_between, format_of
-from hsr.arrays import Array, Floats, Ints
+from hsr.algorithms.resolve import first_pieces, resolve
+from hsr.algorithms.tiles import eye_between, format_of, number_bits
+from hsr.arrays import Array, Bools, Floats, Ints
 from hsr.jit import one_by_one
 from hsr.kernels import doubts, hierarchy, raytiles
-from hsr.kernels.doubts import Window
 from hsr.kernels.halfspaces import CLUSTER, ERROR, LANES, LOOSE, Eye, U
 from hsr.kernels.projection import clip_rows, to_clip
-from hsr.kernels.raytiles import CELLS, MEMBER, NO_QUADRIC, SHARE, SIDE
-from hsr.kernels.tiles import deal
+from hsr.kernels.raytiles import MEMBER, NO_QUADRIC, SHARE
+from hsr.kernels.tiles import CELL, COLUMNS, LINES, deal
 from hsr.scene.shapes import Kind, Shape
 from hsr.viewing import Placement, View, reversed_loops
 from hsr.visibility import Clock, VisibilityMap
@@ -42,7 +42,7 @@ BATCH = 1 << 18
 SHARE_OF_VERTICES, SHARE_OF_NODES = 2048, 64
 """What one thread lays out at a time."""
 
-ROOM = 64
+ROOM = 256
 """Doubts of a tile for which there is room at first; a tile with more is cast again."""
 
 
@@ -60,16 +60,16 @@ def render(view: View, certified: bool) -> VisibilityMap:
         meshes = {kind: mesh_of(*kind) for kind in map(_kind, view.placements)}
     with clock("prepare"):
         world = _world(view, meshes)
-        room, picture = _room(world.members), _picture(view)
+        # Touch the memory now: the first touch of a page takes longer than what is computed in it.
+        room, size = _room(world.members), (view.height, view.width)
+        face, depth = np.full(size, -1, np.int32), np.full(size, np.inf)
     with clock("render"):
         rows = clip_matrices(view)
         eye = eye_of(view, world, rows)
-        mask = int(doubts.depth_mask(len(world.faces)))
-        window = Window(0, 0, view.width, mask, int(doubts.gap_of(mask, eye.tie)))
-        found, counts = _cast(view, world, rows, eye, window, room, picture, certified)
-        resolved = _resolved(view, found, picture.keys, window)
-        picture.face.ravel()[resolved.sample] = resolved.face
-        picture.depth.ravel()[resolved.sample] = resolved.depth
+        caster = Caster(view, world, rows, eye, certified, (world.faces, face, depth))
+        found, counts = _cast(caster, room)
+        resolved = resolve(view, found["sample"], _pieces(world, found), found["sure"])
+        face.ravel()[resolved.sample], depth.ravel()[resolved.sample] = resolved.face, resolved.depth
     work = {
         "rays": view.width * view.height,
         "nodes visited": int(counts[raytiles.NODES]),
@@ -78,7 +78,7 @@ def render(view: View, certified: bool) -> VisibilityMap:
         "uncertain": len(resolved.sample),
     }
     notes = {"depth_format": format_of(view, len(world.faces), eye)}
-    return VisibilityMap(picture.face, picture.depth, "raycast", work, clock.seconds, notes)
+    return VisibilityMap(face, depth, "raycast", work, clock.seconds, notes)
 
 
 # ---------------------------------------------------------------- once a shape
@@ -116,8 +116,8 @@ _meshes: WeakKeyDictionary[Shape, dict[bool, Mesh]] = WeakKeyDictionary()
 def mesh_of(shape: Shape, mirrored: bool) -> Mesh:
     """Build the hierarchy of a shape, once for all its instances and views."""
     if shape.polygons is None:
-        nothing = (np.empty((0, 3), np.int32), np.empty(0, np.int32), np.empty((0, 2), np.int32))
-        return Mesh(np.empty((0, 3)), *nothing, box_of(shape))
+        corner, number, tree = (np.empty(size, np.int32) for size in ((0, 3), 0, (0, 2)))
+        return Mesh(np.empty((0, 3)), corner, number, tree, box_of(shape))
     built = _meshes.setdefault(shape, {})
     if mirrored not in built:
         polygons, box = shape.polygons, box_of(shape)
@@ -206,38 +206,6 @@ def _faces_of(shape: Shape) -> Ints:
     return shape.polygons.triangle_face
 
 
-class Picture(NamedTuple):
-    """The answer, and the keys of the tiles (rows, columns) that become it.
-
-    Attributes
-    ----------
-    keys : (rows, columns, SIDE, SIDE + LANES) int64
-    farthest : (rows, columns, CELLS, CELLS) float64
-        The farthest key depth in each cell, infinite where some sample is empty.
-    face : (H, W) int32
-    depth : (H, W) float64
-    """
-
-    keys: Array
-    farthest: Floats
-    face: Ints
-    depth: Floats
-
-
-def _picture(view: View) -> Picture:
-    """Make room for the answer; samples beyond the image hide everything.
-
-    The memory is touched now: the first touch of a page takes longer than what is computed in it.
-    """
-    rows, columns = -(-view.height // SIDE), -(-view.width // SIDE)
-    keys = np.full((rows, columns, SIDE, SIDE + LANES), doubts.EMPTY, np.int64)
-    keys[-1, :, view.height - (rows - 1) * SIDE :] = 0
-    keys[:, -1, :, view.width - (columns - 1) * SIDE :] = 0
-    size = (view.height, view.width)
-    farthest = np.full((rows, columns, CELLS, CELLS), np.inf)
-    return Picture(keys, farthest, np.full(size, -1, np.int32), np.full(size, np.inf))
-
-
 Room = tuple[Floats, Floats]
 """Room for the projected vertices (v, 4) and the extents of the nodes (e, 5) of any batch."""
 
@@ -282,39 +250,58 @@ def _depths(world: World, rows: Floats) -> tuple[Floats, Floats]:
 # ---------------------------------------------------------------- all rays
 
 
-def _cast(
-    view: View,
-    world: World,
-    rows: Floats,
-    eye: Eye,
-    window: Window,
-    room: Room,
-    picture: Picture,
-    certified: bool,
-) -> tuple[Array, Array]:
-    """Cast all rays into batches of objects, nearest first; return the doubts (m,) and the counts."""
-    extent = np.empty((len(rows), 5))
-    raytiles.reach_objects(world.box, rows, eye, extent)
-    least, most = _depths(world, rows)
-    seen = (extent[:, 0] < extent[:, 1]) & (extent[:, 2] < extent[:, 3])
-    seen &= (most >= view.near - eye.error_d) & (least <= view.far + eye.error_d)
-    curved = np.flatnonzero(seen & (world.members["nodes"] == 0))
-    world.members["quadric"][curved] = np.arange(len(curved))
-    quadrics = quadrics_of(view, curved, world.members["piece"][curved], extent[curved, :4], eye)
+class Caster(NamedTuple):
+    """A view as the kernels see it, and the answer.
 
-    found, total = [np.empty(0, doubts.DOUBT)], np.zeros(raytiles.COUNTS, np.int64)
+    Attributes
+    ----------
+    view : View
+    world : World
+    rows : (n, 3, 4) float64
+        See :func:`clip_matrices`.
+    eye : Eye
+    certified : bool
+    image : Image
+    """
+
+    view: View
+    world: World
+    rows: Floats
+    eye: Eye
+    certified: bool
+    image: raytiles.Image
+
+
+def _cast(caster: Caster, room: Room) -> tuple[Array, Array]:
+    """Cast all rays into batches of objects, nearest first; return the doubts (m,) and the counts."""
+    extent, seen = _extents(caster)
+    members = caster.world.members
+    curved = np.flatnonzero(seen & (members["nodes"] == 0))
+    members["quadric"][curved] = np.arange(len(curved))
+    quadrics = quadrics_of(caster.view, curved, members["piece"][curved], extent[curved, :4], caster.eye)
+
     order = np.argsort(extent[:, 4], kind="stable")
-    for chosen in _batches(order[seen[order]], world.members):
-        chosen = chosen[raytiles.may_show(extent[chosen], eye, picture.farthest)]
-        laid = _laid(world.members[chosen], extent[chosen], room)
-        shares = _shares(laid[0]["vertices"], SHARE_OF_VERTICES), _shares(laid[0]["nodes"], SHARE_OF_NODES)
-        raytiles.lay_out(world.shapes, rows, eye, *shares, laid)
-        loose = _loose(view, world, rows, eye, laid)
-        batch = Batch(world.shapes, laid, (quadrics, loose), world.faces)
-        for one, counts in _cast_batch(batch, eye, window, picture, certified):
-            found.append(one)
+    batches = list(_batches(order[seen[order]], members))
+    kept = _kept(caster.view) if len(batches) > 1 else None
+    found, total = [np.empty(0, doubts.DOUBT)], np.zeros(raytiles.COUNTS, np.int64)
+    for chosen in batches:
+        if kept is not None:
+            chosen = chosen[raytiles.may_show(extent[chosen], caster.eye, kept[1])]
+        laid = _lay_out(caster, members[chosen], extent[chosen], room)
+        for noted, counts in _cast_batch(caster, laid, (quadrics, _loose(caster, laid)), kept):
+            found.append(noted)
             total += counts
-    return np.concatenate(found), total
+    every = np.concatenate(found)
+    return every if kept is None else _settled(caster, every, kept[0]), total
+
+
+def _extents(caster: Caster) -> tuple[Floats, Bools]:
+    """Return what samples each object may cover and how near it comes (n, 5), and whether it may be seen."""
+    extent, (least, most) = np.empty((len(caster.rows), 5)), _depths(caster.world, caster.rows)
+    raytiles.reach_objects(caster.world.box, caster.rows, caster.eye, extent)
+    seen = (extent[:, 0] < extent[:, 1]) & (extent[:, 2] < extent[:, 3])
+    error = caster.eye.error_d
+    return extent, seen & (most >= caster.view.near - error) & (least <= caster.view.far + error)
 
 
 def _batches(order: Array, members: Array) -> Iterator[Array]:
@@ -325,15 +312,30 @@ def _batches(order: Array, members: Array) -> Iterator[Array]:
             yield order[start:end]
             start, laid = end, 0
         laid += size
-    yield order[start:]
+    if start < len(order):
+        yield order[start:]
 
 
-def _laid(members: Array, extent: Floats, room: Room) -> raytiles.Laid:
-    """Give the members of a batch their places on the screen."""
+def _kept(view: View) -> raytiles.Kept:
+    """Return tiles that show nothing; samples beyond the image hide everything."""
+    rows, columns = -(-view.height // LINES), -(-view.width // COLUMNS)
+    keys = np.full((rows, columns, LINES, COLUMNS + LANES), doubts.EMPTY, np.int64)
+    keys[-1, :, view.height - (rows - 1) * LINES :] = 0
+    keys[:, -1, :, view.width - (columns - 1) * COLUMNS :] = 0
+    return keys, np.full((rows, columns, LINES // CELL, COLUMNS // CELL), np.inf)
+
+
+def _lay_out(caster: Caster, members: Array, extent: Floats, room: Room) -> raytiles.Laid:
+    """Lay a batch of objects out on the screen."""
     for place, size in (("to_screen", "vertices"), ("to_extent", "nodes")):
         members[place] = np.cumsum(members[size]) - members[size]
-    screen, nodes = room
-    return members, extent, screen[: members["vertices"].sum()], nodes[: members["nodes"].sum()]
+    laid = (members, extent, room[0][: members["vertices"].sum()], room[1][: members["nodes"].sum()])
+    vertices, nodes = (
+        _shares(members[size], most)
+        for size, most in (("vertices", SHARE_OF_VERTICES), ("nodes", SHARE_OF_NODES))
+    )
+    raytiles.lay_out(caster.world.shapes, caster.rows, caster.eye, vertices, nodes, laid)
+    return laid
 
 
 def _shares(sizes: Array, most: int) -> Array:
@@ -346,19 +348,20 @@ def _shares(sizes: Array, most: int) -> Array:
     return shares
 
 
-def _loose(view: View, world: World, rows: Floats, eye: Eye, laid: raytiles.Laid) -> Floats:
+def _loose(caster: Caster, laid: raytiles.Laid) -> Floats:
     """Set up the triangles of a batch of which a corner is not certain."""
     members, _, screen, _ = laid
     uncertain = np.flatnonzero(~(screen[:, ERROR] <= LOOSE))
-    clip, pieces = [np.empty((0, 3, 3))], [np.empty(0, np.int64)]
+    clip, pieces = [np.empty((0, 3, 3))], [np.empty(0, np.int32)]
     for member in members[np.unique(np.searchsorted(members["to_screen"], uncertain, "right") - 1)]:
-        vertices, corner, number = _own(world, member)
+        vertices, corner, number = _own(caster.world, member)
         projected = screen[member["to_screen"] :][: len(vertices)]
-        chosen = loose_triangles(projected, corner, eye)
-        clip.append(to_clip(vertices[corner[chosen].ravel()], rows[member["object"]]).reshape(-1, 3, 3))
-        pieces.append(member["piece"] + number[chosen])
+        chosen = loose_triangles(projected, corner, caster.eye)
+        corners = to_clip(vertices[corner[chosen].ravel()], caster.rows[member["object"]])
+        clip.append(corners.reshape(-1, 3, 3))
+        pieces.append(number[chosen] + np.int32(member["piece"]))
     piece = np.concatenate(pieces)
-    return loose_tables(view, np.concatenate(clip), piece.astype(np.int32), piece, eye)
+    return loose_tables(caster.view, np.concatenate(clip), piece, piece, caster.eye)
 
 
 def _own(world: World, member: Array) -> tuple[Floats, Ints, Ints]:
@@ -369,59 +372,40 @@ def _own(world: World, member: Array) -> tuple[Floats, Ints, Ints]:
     return vertices[vertex], corner[triangle], number[triangle]
 
 
-class Batch(NamedTuple):
-    """Objects laid out on the screen; see :func:`hsr.kernels.raytiles.cast`."""
-
-    shapes: raytiles.Shapes
-    laid: raytiles.Laid
-    special: tuple[Array, Floats]
-    faces: Ints
-
-
 def _cast_batch(
-    batch: Batch, eye: Eye, window: Window, picture: Picture, certified: bool
+    caster: Caster, laid: raytiles.Laid, special: tuple[Array, Floats], kept: raytiles.Kept | None
 ) -> Iterator[tuple[Array, Array]]:
-    """Cast all rays into a batch; yield doubts and counts of tiles."""
-    listed, todo = _todo(batch, picture)
-    tiles, room = (picture.keys, picture.farthest, batch.faces, picture.face, picture.depth), ROOM
+    """Cast all rays into a batch that is laid out; yield doubts and counts of tiles."""
+    extent, loose = laid[1], special[1]
+    listed, todo = deal(extent, np.arange(len(extent)), caster.view.width, caster.view.height)
+    todo = todo[(len(loose) > 0) | (todo[:, 2] < todo[:, 3])]
+    shapes, eye, image, room = caster.world.shapes, caster.eye, caster.image, ROOM
     while len(todo):
         counts = np.zeros((len(todo), raytiles.COUNTS), np.int64)
-        noted = np.empty((len(todo), room), doubts.DOUBT) if certified else None
+        noted = np.empty((len(todo), room), doubts.DOUBT) if caster.certified else None
         with one_by_one():
-            raytiles.cast(
-                batch.shapes, batch.laid, batch.special, listed, todo, eye, window, tiles, noted, counts
-            )
+            raytiles.cast(shapes, laid, special, listed, todo, eye, kept, image, noted, counts)
         used = counts[:, doubts.USED]
         done = used <= room
         parts = [] if noted is None else [noted[k, : used[k]] for k in np.flatnonzero(done & (used > 0))]
         yield np.concatenate([np.empty(0, doubts.DOUBT), *parts]), counts[done].sum(axis=0)
-        todo, room = todo[~done], int(used.max())
-
-
-def _todo(batch: Batch, picture: Picture) -> tuple[Ints, Array]:
-    """List the members that each tile may see, nearest first; and the tiles that may see any.
-
-    They come scattered over the image, so that threads that take equal parts have about equal work.
-    """
-    extent, (_, loose) = batch.laid[1], batch.special
-    size = (picture.face.shape[1], len(picture.face))
-    listed, todo = deal(extent, np.arange(len(extent)), size, (SIDE, SIDE))
-    return listed, todo[(len(loose) > 0) | (todo[:, 2] < todo[:, 3])]
+        # Settling a tile at most doubles its doubts.
+        todo, room = todo[~done], 2 * int(used.max())
 
 
 # ---------------------------------------------------------------- what is in doubt
 
 
-def _resolved(view: View, found: Array, keys: Array, window: Window) -> Resolved:
-    """Decide the doubts that are not certainly hidden by now, among them and what the keys show."""
-    row, column = np.divmod(found["sample"], view.width)
-    shown = keys[row // SIDE, column // SIDE, row % SIDE, column % SIDE]
-    there = shown != doubts.EMPTY
-    left = np.flatnonzero(~there | (found["key"] <= np.where(there, shown, 0) + window.gap))
-    found, shown, there = found[left], shown[left], there[left]
-    sample, first = np.unique(found["sample"], return_index=True)
-    first = first[there[first]]
-    sample = np.concatenate([found["sample"], found["sample"][first]])
-    key = np.concatenate([found["key"], shown[first]])
-    sure = np.concatenate([found["sure"], np.ones(len(first), np.bool_)])
-    return resolve(view, sample, np.asarray(key & ~window.mask), sure)
+def _settled(caster: Caster, found: Array, keys: Array) -> Array:
+    """Forget doubts that later batches hide, and where some are left, add what the keys show in the end."""
+    row, column = np.divmod(found["sample"], caster.view.width)
+    shown = keys[row // LINES, column // COLUMNS, row % LINES, column % COLUMNS]
+    left = found["key"] - shown <= doubts.gap_of(doubts.depth_mask(len(caster.world.faces)), caster.eye.tie)
+    last = found[left & (shown != doubts.EMPTY)]
+    last["key"], last["sure"] = shown[left & (shown != doubts.EMPTY)], True
+    return np.concatenate([found[left], np.unique(last)])
+
+
+def _pieces(world: World, found: Array) -> Array:
+    """Return which piece each doubt is about."""
+    return np.asarray(found["key"] & number_bits(len(world.faces)))

@@ -251,6 +251,7 @@ def draw(
         Room for the projected vertices.
     certified : bool
     answer : (face, depth)
+        They show the background.
 
     Returns
     -------
@@ -262,8 +263,7 @@ def draw(
     halfspaces.project(mesh.vertices, rows, eye, screen)
     extent = np.empty((len(mesh.low), 5))
     tiles.reach(mesh.low, mesh.high, rows, eye, extent)
-    order, size = np.argsort(extent[:, 4], kind="stable"), (view.width, view.height)
-    listed, todo = tiles.deal(extent, order, size, (tiles.COLUMNS, tiles.LINES))
+    listed, todo = tiles.deal(extent, np.argsort(extent[:, 4], kind="stable"), view.width, view.height)
     chosen = loose_triangles(screen, mesh.corner, eye)
     clip = to_clip(mesh.vertices[mesh.corner[chosen].ravel()], rows).reshape(-1, 3, 3)
     loose = loose_tables(view, clip, mesh.number[chosen], chosen, eye)

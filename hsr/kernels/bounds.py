@@ -1,4 +1,4 @@
-"""Extents: the box a ray must meet, and the samples a projected box or triangle can reach.
+"""Extents: the box a ray must meet, and points on the screen.
 
 Extents only save work. Whatever lies in an extent must be found through it, so every test here errs
 on the side of "may meet": boxes are closed, and rounding is covered by paddings derived beside them.
@@ -19,13 +19,6 @@ Corner = tuple[float, float, float, float]
 
 TWO_ULP = 2.0**-51
 """Two units in the last place of 1: the padding of Ize, "Robust BVH Ray Traversal" (JCGT 2013)."""
-
-SAMPLE_PAD = 2.0**-30
-"""Padding of a rectangle on the screen, in pixels.
-
-A side is one quotient and two sums of numbers below 2^15 in magnitude (images are at most 2^14 wide),
-and covering a sample rounds three more such numbers: fewer than ten roundings of at most 2^-38 each.
-"""
 
 
 class Beam(NamedTuple):
@@ -126,113 +119,3 @@ def nearness_of(depth: float, perspective: bool) -> float:
     if not perspective:
         return -depth
     return 1.0 / depth if depth > 0.0 else np.inf
-
-
-class Reach(NamedTuple):
-    """What a projected figure can reach: pixels from the image centre, and its greatest nearness."""
-
-    left: float
-    right: float
-    top: float
-    bottom: float
-    nearest: float
-
-
-NOWHERE = Reach(np.inf, -np.inf, np.inf, -np.inf, -np.inf)
-
-
-@jit
-def reach_point(reach: Reach, corner: Corner, perspective: bool) -> Reach:
-    """Grow a reach by a projected point in front of the eye."""
-    x, y, _, nearest = corner
-    if perspective:
-        x, y = x * nearest, y * nearest
-    return Reach(
-        min(reach.left, x),
-        max(reach.right, x),
-        min(reach.top, y),
-        max(reach.bottom, y),
-        max(reach.nearest, nearest),
-    )
-
-
-@jit
-def reach_crossing(reach: Reach, p: Corner, q: Corner, near: float) -> Reach:
-    """Grow a reach by the point where the segment p q, seen in perspective, crosses depth ``near``."""
-    if (p[2] >= near) == (q[2] >= near):
-        return reach
-    part = (near - p[2]) / (q[2] - p[2])
-    x = (p[0] + part * (q[0] - p[0])) / near
-    y = (p[1] + part * (q[1] - p[1])) / near
-    # Six roundings, each relative to at most |p| + |q|; part is a quotient of rounded differences.
-    pad_x = (abs(p[0]) + abs(q[0])) / near * 2.0**-49
-    pad_y = (abs(p[1]) + abs(q[1])) / near * 2.0**-49
-    return Reach(
-        min(reach.left, x - pad_x),
-        max(reach.right, x + pad_x),
-        min(reach.top, y - pad_y),
-        max(reach.bottom, y + pad_y),
-        max(reach.nearest, 1.0 / near),
-    )
-
-
-@jit
-def reach_triangle(a: Corner, b: Corner, c: Corner, perspective: bool, near: float) -> Reach:
-    """Return the reach of the part of a triangle with ``depth >= near``.
-
-    In a parallel view, where every depth projects, near is left to the coverage test.
-    """
-    reach = NOWHERE
-    for corner in (a, b, c):
-        if not perspective or corner[2] >= near:
-            reach = reach_point(reach, corner, perspective)
-    if perspective:
-        reach = reach_crossing(reach, a, b, near)
-        reach = reach_crossing(reach, b, c, near)
-        reach = reach_crossing(reach, c, a, near)
-    return reach
-
-
-@jit
-def reach_box(matrix: Floats, low: Vector, high: Vector, perspective: bool, near: float) -> Reach:
-    """Return the reach of the part with ``depth >= near`` of a box, projected by a matrix."""
-    reach = NOWHERE
-    for bits in range(8):
-        p = _box_corner(matrix, low, high, bits, perspective)
-        if not perspective or p[2] >= near:
-            reach = reach_point(reach, p, perspective)
-        # Each of the twelve edges once: from the corner with a coordinate low to the one with it high.
-        for axis in range(3):
-            if perspective and not bits & (1 << axis):
-                q = _box_corner(matrix, low, high, bits | (1 << axis), perspective)
-                reach = reach_crossing(reach, p, q, near)
-    return reach
-
-
-@jit
-def _box_corner(matrix: Floats, low: Vector, high: Vector, bits: int, perspective: bool) -> Corner:
-    """Project a corner of a box; bit i of ``bits`` says whether coordinate i is high."""
-    x = high[0] if bits & 1 else low[0]
-    y = high[1] if bits & 2 else low[1]
-    z = high[2] if bits & 4 else low[2]
-    return corner_of(matrix, x, y, z, perspective)
-
-
-@jit
-def samples_of(least: float, most: float, count: int) -> tuple[int, int]:
-    """Return the first and last of ``count`` samples in a row that lie from least to most, closed.
-
-    Parameters
-    ----------
-    least, most : float
-        Pixels from the image centre; sample k lies at ``k + 1/2 - count/2``.
-
-    Returns
-    -------
-    first, last : int
-        Clamped to the image; first > last if there are none.
-    """
-    start = 0.5 - 0.5 * count
-    first = np.ceil(min(max(least - start - SAMPLE_PAD, 0.0), float(count)))
-    last = np.floor(max(min(most - start + SAMPLE_PAD, count - 1.0), -1.0))
-    return int(first), int(last)

@@ -24,16 +24,13 @@ import numpy as np
 
 from hsr.arrays import Array, Floats
 from hsr.jit import jit
-from hsr.kernels.doubts import TRIANGLES, Window, is_hidden, key_of, take, write
-from hsr.kernels.halfspaces import BACK, LANES, Eye, U, key_depth, nearness_error
+from hsr.kernels.doubts import TRIANGLES, Box, Window, is_hidden, key_of, write
+from hsr.kernels.halfspaces import ANYWHERE, BACK, LANES, Eye, U, key_depth, nearness_error
 
 CYLINDER = 4
 """The kind of a cylinder."""
 
 CULL_BACK, CULL_FRONT = 1, 2
-
-BASE = 1
-"""Which piece of a cylinder the base is, after the side; the cap follows."""
 
 QUADRIC = np.dtype(
     [
@@ -82,6 +79,9 @@ class Hit(NamedTuple):
 
 MISS = Hit(0.0, 0.0, -1.0)
 
+Hits = tuple[Hit, Hit, Hit, Hit]
+"""Where a ray enters and leaves a sphere or the side of a cylinder, and where it meets base and cap."""
+
 
 @jit
 def affine(c: Floats, x: float, y: float) -> float:
@@ -100,10 +100,10 @@ def quotient(a: float, a_error: float, b: float, b_error: float) -> tuple[float,
     """Divide, and bound the error.
 
     (a + da) / (b + db) is off by (|da| + |a / b| |db|) / |b|, at most twice that if |db| is at most half of
-    |b|, and by anything beyond.
+    |b|, and by anything beyond: more than any v that counts.
     """
     if b == 0.0 or b_error > 0.5 * abs(b):
-        return 0.0, np.inf
+        return 0.0, ANYWHERE
     value = a / b
     return value, 2.0 * (a_error + abs(value) * b_error) / abs(b) + 2.0 * U * abs(value)
 
@@ -140,6 +140,8 @@ def meet_quadric(thing: Any, x: float, y: float) -> tuple[Hit, Hit]:
 def between_ends(hit: Hit, thing: Any, x: float, y: float) -> Hit:
     """Return a hit of the side of an endless cylinder as one of the side between base and cap, closed."""
     v, v_error, margin = hit
+    if margin <= -1.0:
+        return hit
     for end in range(2):
         p, q = thing["p"][end], affine(thing["q"][end], x, y)
         margin = min(margin, (p * v + q) / (abs(p) * v_error + FEW * (abs(p * v) + 1.0)))
@@ -155,6 +157,25 @@ def meet_end(end: int, thing: Any, x: float, y: float) -> Hit:
     size = abs(k * v) * abs(v) + 2.0 * thing["size_l"] * abs(v) + thing["size_m"]
     slope = 2.0 * (abs(k * v) + thing["size_l"]) + abs(k) * v_error
     return Hit(v, v_error, -outside / (slope * v_error + FEW * size))
+
+
+@jit
+def hits_of(thing: Any, x: float, y: float) -> Hits:
+    """Return the hits of a ray, those on culled sides and on ends seen edge-on left out."""
+    enter, leave = meet_quadric(thing, x, y)
+    base, cap = MISS, MISS
+    if thing["kind"] == CYLINDER:
+        enter, leave = between_ends(enter, thing, x, y), between_ends(leave, thing, x, y)
+        base = meet_end(0, thing, x, y) if thing["shown"][0] else MISS
+        cap = meet_end(1, thing, x, y) if thing["shown"][1] else MISS
+    cull = thing["cull"]
+    return enter if cull != CULL_FRONT else MISS, leave if cull != CULL_BACK else MISS, base, cap
+
+
+@jit
+def piece_of(thing: Any, k: int) -> int:
+    """Return the piece that hit k of a ray is on: of a cylinder, side, base and cap follow each other."""
+    return int(thing["piece"] + max(k - 1, 0))
 
 
 @jit
@@ -193,47 +214,69 @@ def cast_into_quadric(
     counts : (COUNTS,) int64
     """
     counts[TRIANGLES] += 1
-    end_column, end_line = window.column + keys.shape[1] - LANES, window.line + len(keys)
-    for line in range(max(thing["top"], window.line), min(thing["bottom"], end_line)):
-        for column in range(max(thing["left"], window.column), min(thing["right"], end_column)):
-            x, y = float(column - thing["left"]), float(line - thing["top"])
-            enter, leave = meet_quadric(thing, x, y)
-            if thing["kind"] == CYLINDER:
-                enter, leave = between_ends(enter, thing, x, y), between_ends(leave, thing, x, y)
-                for end in range(2):
-                    if thing["shown"][end]:
-                        hit = meet_end(end, thing, x, y)
-                        offer(
-                            hit, thing["piece"] + BASE + end, line, column, keys, window, eye, doubts, counts
-                        )
-            if thing["cull"] != CULL_FRONT:
-                offer(enter, thing["piece"], line, column, keys, window, eye, doubts, counts)
-            if thing["cull"] != CULL_BACK:
-                offer(leave, thing["piece"], line, column, keys, window, eye, doubts, counts)
+    doubtful = fill(thing, keys, window, eye, None if doubts is None else True)
+    if doubts is not None and doubtful:
+        note(thing, keys, window, eye, doubts, counts)
 
 
 @jit
-def offer(
-    hit: Hit,
-    piece: int,
-    line: int,
-    column: int,
-    keys: Array,
-    window: Window,
-    eye: Eye,
-    doubts: Array | None,
-    counts: Array,
-) -> None:
-    """Take a certain hit into the keys; write down one that may count, unless it is hidden."""
-    if hit.margin <= -1.0:
-        return
-    z, error, margin = key_hit(hit, eye)
-    number = piece
-    if margin >= (0.0 if doubts is None else 1.0):
-        take(key_of(z, window.mask, number), line, column, keys, window, doubts, counts)
-    elif doubts is not None and not margin <= -1.0:
-        least = z - error
-        nearest = min(least, BACK) if least > 1.0 else 1.0
-        key = key_of(nearest, window.mask, number)
-        if not is_hidden(key, keys[line - window.line, column - window.column], window.gap):
-            write(doubts, counts, line * window.width + column, key, False)
+def box_of(thing: Any, keys: Array, window: Window) -> Box:
+    """Return the samples of the image that are in a window and may be covered."""
+    end_line, end_column = window.line + len(keys), window.column + keys.shape[1] - LANES
+    return (
+        max(thing["top"], window.line),
+        min(thing["bottom"], end_line),
+        max(thing["left"], window.column),
+        min(thing["right"], end_column),
+    )
+
+
+@jit
+def fill(thing: Any, keys: Array, window: Window, eye: Eye, certify: bool | None) -> bool:
+    """Take into the keys the hits that are certain, and certainly nearer; return whether there are doubts.
+
+    Without certification, a hit counts if it seems to.
+    """
+    least_margin, gap = (0.0, 0) if certify is None else (1.0, window.gap)
+    doubtful = False
+    first_line, end_line, first, end = box_of(thing, keys, window)
+    for line in range(first_line, end_line):
+        here = keys[line - window.line]
+        for column in range(first, end):
+            hits = hits_of(thing, float(column - thing["left"]), float(line - thing["top"]))
+            for k in range(4):
+                if hits[k].margin <= -1.0:
+                    continue
+                z, _, margin = key_hit(hits[k], eye)
+                if margin >= least_margin:
+                    key, old = key_of(z, window.mask, piece_of(thing, k)), here[column - window.column]
+                    if old - key > gap:
+                        here[column - window.column] = key
+                    else:
+                        doubtful |= key != old and old - key >= -gap
+                else:
+                    doubtful |= not margin <= -1.0
+    return doubtful
+
+
+@jit
+def note(thing: Any, keys: Array, window: Window, eye: Eye, doubts: Array, counts: Array) -> None:
+    """Write down the doubts of a sphere or cylinder that has just been taken into the keys."""
+    first_line, end_line, first, end = box_of(thing, keys, window)
+    for line in range(first_line, end_line):
+        for column in range(first, end):
+            hits = hits_of(thing, float(column - thing["left"]), float(line - thing["top"]))
+            sample, old = line * window.width + column, keys[line - window.line, column - window.column]
+            for k in range(4):
+                if hits[k].margin <= -1.0:
+                    continue
+                z, error, margin = key_hit(hits[k], eye)
+                if margin >= 1.0:
+                    key = key_of(z, window.mask, piece_of(thing, k))
+                    if key != old and abs(old - key) <= window.gap:
+                        write(doubts, counts, sample, key, True)
+                elif not margin <= -1.0:
+                    nearest = min(max(z - error, 1.0), BACK)
+                    key = key_of(nearest, window.mask, piece_of(thing, k))
+                    if not is_hidden(key, old, window.gap):
+                        write(doubts, counts, sample, key, False)

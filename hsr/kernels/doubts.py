@@ -290,31 +290,6 @@ def suspect(table: Floats, i: int, keys: Array, window: Window, doubts: Array, c
 
 
 @jit
-def take(
-    key: int, line: int, column: int, keys: Array, window: Window, doubts: Array | None, counts: Array
-) -> None:
-    """Take one certain hit into the keys of a window, and write it down if it is not certainly nearer.
-
-    Parameters
-    ----------
-    key : int
-    line, column : int
-        The sample, in the image.
-    keys : (lines, columns + LANES) int64
-    window : Window
-    doubts : (room,) DOUBT or None
-    counts : (COUNTS,) int64
-    """
-    row, place = line - window.line, column - window.column
-    old, gap = keys[row, place], 0 if doubts is None else window.gap
-    if old - key > gap:
-        keys[row, place] = key
-    elif doubts is not None and key != old and old - key >= -gap:
-        write(doubts, counts, line * window.width + column, key, True)
-        write(doubts, counts, line * window.width + column, old, True)
-
-
-@jit
 def is_hidden(key: int, old: int, gap: int) -> bool:
     """Whether a key is certainly farther than what is there."""
     return bool(key - old > gap)
@@ -387,12 +362,3 @@ def read_out(
             key = here[column]
             owner = faces[np.uintp(key & ~window.mask)] if key != EMPTY else np.int32(-1)
             faces_here[left + column] = owner
-
-
-@jit
-def clear(window: Window, box: Box, face: Array, depth: Floats) -> None:
-    """Show the background at a box of samples."""
-    left, right = window.column + box[2], window.column + box[3]
-    for line in range(window.line + box[0], window.line + box[1]):
-        face[line, left:right] = -1
-        depth[line, left:right] = np.inf

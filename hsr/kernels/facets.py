@@ -1,6 +1,6 @@
 """One triangle of a mesh as the rays of a picture meet it: inside which edges, and how near.
 
-All ways of casting rays test triangles by these functions, so that they find the same face. The edges
+All ways of casting single rays test triangles by these functions, so that they find the same face. The edges
 are those of the triangle's homogeneous corners: a vertex behind the eye needs no clipping.
 """
 

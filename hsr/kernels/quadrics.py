@@ -1,4 +1,4 @@
-"""Where a line meets the generic shapes: square, convex polyhedron, sphere, cylinder.
+"""Where a single ray meets the generic shapes: square, convex polyhedron, sphere, cylinder.
 
 Everything happens in the shape's own frame, after Hill and Kelley, "Computer Graphics Using OpenGL"
 (3rd edition, chapter 12): the line is the set of points ``o + t d``, carried into the frame by the

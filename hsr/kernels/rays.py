@@ -1,11 +1,11 @@
 """Ray casting: build the ray of a sample, find the nearest hit over the object list, record it.
 
-After Hill and Kelley, "Computer Graphics Using OpenGL" (3rd edition, chapter 12), with four ways to
-go through the list: every face of every object; an extent around every object; hierarchies of
-extents; and, in ``raytiles``, tiles of coherent rays. All four keep the best of what they test by one rule,
-and test the triangles of meshes on the screen, by ``facets``, so that they find the same face at every
-sample. For study, single rays may instead meet triangles in space by one of the tests of ``triangles``, in
-float32 (where planes and vertices are given so), and extents without care for rounding.
+After Hill and Kelley, "Computer Graphics Using OpenGL" (3rd edition, chapter 12), with three ways to
+go through the list: every face of every object; an extent around every object; and hierarchies of
+extents. All three keep the best of what they test by one rule, and test the triangles of meshes on the
+screen, by ``facets``, so that they find the same face at every sample. For study, rays may instead meet
+triangles in space by one of the tests of ``triangles``, in float32 (where planes and vertices are given so),
+and extents without care for rounding. Tiles of coherent rays are in ``raytiles``.
 
 A sample lies ``(x, y)`` pixels right of and below the image centre. Hits are compared by *nearness*,
 1 / depth under perspective and -depth in a parallel view; of equal nearness the lower face id wins.
@@ -66,10 +66,7 @@ OBJECT = np.dtype(
         ("mirrored", np.bool_),
         ("start", np.int64),
         ("end", np.int64),
-        ("vertex_start", np.int64),
-        ("vertex_end", np.int64),
         ("root", np.int64),
-        ("root_end", np.int64),
         ("screen", np.float64, (3, 4)),
         ("origin", np.float64, (3, 3)),
         ("direction", np.float64, (3, 3)),
@@ -82,7 +79,7 @@ OBJECT = np.dtype(
 
 mirrored : whether the front of a mesh triangle is where it runs clockwise on the screen.
 start, end : rows of its planes (cube, polyhedron) or of its triangles (mesh).
-vertex_start, vertex_end, root, root_end : rows of a mesh's vertices, and of its nodes, root first.
+root : row of the root of a mesh's nodes.
 screen : from object space to column, row and depth; see ``corner_of``.
 origin, direction : the ray of sample (x, y) in object space is ``origin @ (1, x, y)``, ``direction @
     (1, x, y)``; its parameter is the depth.

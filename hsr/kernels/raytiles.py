@@ -23,12 +23,13 @@ import numpy as np
 from hsr.arrays import Array, Floats, Ints
 from hsr.jit import jit, parallel_jit, prange
 from hsr.kernels.curved import cast_into_quadric
-from hsr.kernels.doubts import Window, read_out
+from hsr.kernels.doubts import EMPTY, Window, depth_mask, gap_of, settle
 from hsr.kernels.halfspaces import (
     CLUSTER,
     CULL,
     ERROR,
     GATHERED,
+    LANES,
     LOOSE,
     NEARNESS,
     NUMBER,
@@ -43,13 +44,17 @@ from hsr.kernels.halfspaces import (
     set_up,
 )
 from hsr.kernels.hierarchy import INNER, STACK
-from hsr.kernels.tiles import CELL, cells_of, draw_table, farthest_in, is_hidden, reach_box
-
-SIDE = 64
-"""Samples along each side of a tile."""
-
-CELLS = SIDE // CELL
-"""Cells along each side of a tile."""
+from hsr.kernels.tiles import (
+    CELL,
+    COLUMNS,
+    LINES,
+    cells_of,
+    draw_table,
+    farthest_in,
+    is_hidden,
+    reach_box,
+    show,
+)
 
 NODES, EXTENTS = 2, 3
 """Columns of the counts of a tile, after those of its window: nodes visited, and objects looked at."""
@@ -92,9 +97,12 @@ Shapes = tuple[Floats, Ints, Ints, Ints]
 triangles, in the order of the leaves; ``first`` and ``count`` (N, 2) of the nodes. Each counts from the start
 of its own mesh."""
 
-Tiles = tuple[Array, Floats, Ints, Ints, Floats]
-"""Keys (rows, columns, SIDE, SIDE + LANES) int64 of the tiles, and the farthest key depth of each of their
-cells (rows, columns, CELLS, CELLS); the face of each piece, and the image: face and depth (H, W)."""
+Kept = tuple[Array, Floats]
+"""Keys (rows, columns, LINES, COLUMNS + LANES) int64 of all tiles, and the farthest key depth of each of
+their cells (rows, columns, cells down, cells across)."""
+
+Image = tuple[Ints, Ints, Floats]
+"""The face (pieces,) of each piece; face and depth (H, W) of the image."""
 
 Laid = tuple[Array, Floats, Floats, Floats]
 """A batch: members (m,) MEMBER, nearest first, and their extents (m, 5): first and end column, first and end
@@ -131,10 +139,11 @@ def may_show(extent: Floats, eye: Eye, farthest: Floats) -> Array:
     seen = np.zeros(len(extent), np.bool_)
     for k in range(len(extent)):
         left, right, top, bottom = extent[k, 0], extent[k, 1], extent[k, 2], extent[k, 3]
-        for row in range(int(top) // CELL, (int(bottom) - 1) // CELL + 1):
-            for column in range(int(left) // CELL, (int(right) - 1) // CELL + 1):
-                tile, place = farthest[row // CELLS, column // CELLS], (row % CELLS, column % CELLS)
-                seen[k] |= not extent[k, 4] - 2.0 * eye.tie > tile[place]
+        for line in range(int(top) // CELL * CELL, int(bottom), CELL):
+            for column in range(int(left) // CELL * CELL, int(right), CELL):
+                tile = farthest[line // LINES, column // COLUMNS]
+                cell = tile[line % LINES // CELL, column % COLUMNS // CELL]
+                seen[k] |= not extent[k, 4] - 2.0 * eye.tie > cell
     return seen
 
 
@@ -240,8 +249,8 @@ def cast(
     listed: Ints,
     todo: Array,
     eye: Eye,
-    first: Window,
-    tiles: Tiles,
+    kept: Kept | None,
+    image: Image,
     doubts: Array | None,
     counts: Array,
 ) -> None:
@@ -258,16 +267,17 @@ def cast(
     todo : (k, 4) int64
         Tiles: row and column, where the list of each begins and where it ends.
     eye : Eye
-    first : Window
-        That of the first tile.
-    tiles : Tiles
+    kept : Kept or None
+        What the tiles show from batch to batch; None if there is one batch.
+    image : Image
+        It shows the background, or what earlier batches left.
     doubts : (k, room) DOUBT or None
     counts : (k, COUNTS) int64
     """
     for k in prange(len(todo)):
         room = None if doubts is None else doubts[k]
         chosen = listed[todo[k, 2] : todo[k, 3]]
-        cast_tile(shapes, laid, special, chosen, todo[k], eye, first, tiles, room, counts[k])
+        cast_tile(shapes, laid, special, chosen, todo[k], eye, kept, image, room, counts[k])
 
 
 @jit
@@ -278,17 +288,24 @@ def cast_tile(
     listed: Ints,
     tile: Array,
     eye: Eye,
-    first: Window,
-    tiles: Tiles,
+    kept: Kept | None,
+    image: Image,
     doubts: Array | None,
     counts: Array,
 ) -> None:
     """Cast the rays of one tile into the listed members and all loose triangles."""
     quadrics, loose = special
-    all_keys, all_farthest, faces, face, depth = tiles
-    keys, farthest = all_keys[tile[0], tile[1]], all_farthest[tile[0], tile[1]]
-    window = Window(tile[0] * SIDE, tile[1] * SIDE, first.width, first.mask, first.gap)
-    stale = np.zeros((CELLS, CELLS), np.bool_)
+    faces, face, depth = image
+    mask = depth_mask(len(faces))
+    line, column = tile[0] * LINES, tile[1] * COLUMNS
+    window = Window(line, column, face.shape[1], mask, gap_of(mask, eye.tie))
+    if kept is None:
+        lines, columns = min(LINES, face.shape[0] - line), min(COLUMNS, face.shape[1] - column)
+        keys = np.full((lines, columns + LANES), EMPTY, np.int64)
+        farthest = np.full((LINES // CELL, COLUMNS // CELL), np.inf)
+    else:
+        keys, farthest = kept[0][tile[0], tile[1]], kept[1][tile[0], tile[1]]
+    stale, drawn = np.zeros(farthest.shape, np.bool_), np.zeros(farthest.shape, np.bool_)
     members, extent = laid[0], laid[1]
 
     # Go through the objects, nearest first, but for the hidden ones.
@@ -302,18 +319,20 @@ def cast_tile(
         else:
             cast_into_quadric(quadrics[members[m]["quadric"]], keys, window, eye, doubts, counts)
             stale[cells[0] : cells[1], cells[2] : cells[3]] = True
+        drawn[cells[0] : cells[1], cells[2] : cells[3]] = True
 
+    # Test what no hierarchy has, and read the answer out.
+    drawn[:] |= len(loose) > 0
     for t in range(len(loose)):
         draw_table(loose[t], CLUSTER, keys, window, eye, farthest, doubts, counts)
-        stale[:] = True
+    if doubts is not None:
+        settle(keys, window, doubts, counts)
+    show(keys, window, drawn, faces, eye, face, depth)
 
-    # Note how far the tile shows now.
-    for row in range(CELLS):
-        for column in range(CELLS):
-            if stale[row, column]:
-                farthest[row, column] = farthest_in(keys, row * CELL, column * CELL)
-    box = (0, min(SIDE, len(face) - window.line), 0, min(SIDE, face.shape[1] - window.column))
-    read_out(keys, window, box, faces, eye, face, depth)
+    # Note for the next batch how far the tile shows.
+    if kept is not None:
+        for row, place in np.argwhere(drawn):
+            farthest[row, place] = farthest_in(keys, row * CELL, place * CELL)
 
 
 @jit

@@ -18,7 +18,6 @@ from hsr.kernels.doubts import (
     EMPTY,
     TRIANGLES,
     Window,
-    clear,
     depth_mask,
     depth_of,
     fill,
@@ -114,7 +113,7 @@ def reach_box(low: Floats, high: Floats, rows: Floats, eye: Eye) -> tuple[float,
 
 
 @jit
-def deal(extent: Floats, order: Array, size: tuple[int, int], side: tuple[int, int]) -> tuple[Ints, Array]:
+def deal(extent: Floats, order: Array, width: int, height: int) -> tuple[Ints, Array]:
     """List for each tile of the image what may cover some of it, in its order.
 
     Parameters
@@ -122,10 +121,7 @@ def deal(extent: Floats, order: Array, size: tuple[int, int], side: tuple[int, i
     extent : (n, 5) float64
         First and end column, first and end line of each thing; the rest is not read.
     order : (n,) int64
-    size : (width, height)
-        Of the image.
-    side : (columns, lines)
-        Of a tile.
+    width, height : int
 
     Returns
     -------
@@ -134,12 +130,12 @@ def deal(extent: Floats, order: Array, size: tuple[int, int], side: tuple[int, i
     tiles : (T, 4) int64
         Row and column of a tile, where its list begins and where it ends; the longest list first.
     """
-    columns = -(-size[0] // side[0])
-    number = -(-size[1] // side[1]) * columns
+    columns = -(-width // COLUMNS)
+    number = -(-height // LINES) * columns
     seen = order[(extent[order, 0] < extent[order, 1]) & (extent[order, 2] < extent[order, 3])]
     place = np.zeros(number + 1, np.int64)
     for m in seen:
-        first_row, end_row, first_column, end_column = tiles_of(extent[m], side)
+        first_row, end_row, first_column, end_column = tiles_of(extent[m])
         for row in range(first_row, end_row):
             place[row * columns + first_column + 1 : row * columns + end_column + 1] += 1
     place = np.cumsum(place)
@@ -148,7 +144,7 @@ def deal(extent: Floats, order: Array, size: tuple[int, int], side: tuple[int, i
         tiles[k] = tile // columns, tile % columns, place[tile], place[tile + 1]
     listed = np.empty(place[-1], np.int32)
     for m in seen:
-        first_row, end_row, first_column, end_column = tiles_of(extent[m], side)
+        first_row, end_row, first_column, end_column = tiles_of(extent[m])
         for row in range(first_row, end_row):
             for tile in range(row * columns + first_column, row * columns + end_column):
                 listed[place[tile]] = m
@@ -157,13 +153,13 @@ def deal(extent: Floats, order: Array, size: tuple[int, int], side: tuple[int, i
 
 
 @jit
-def tiles_of(extent: Floats, side: tuple[int, int]) -> tuple[int, int, int, int]:
+def tiles_of(extent: Floats) -> tuple[int, int, int, int]:
     """Return the first and end row, first and end column of the tiles in an extent."""
     return (
-        int(extent[2]) // side[1],
-        (int(extent[3]) - 1) // side[1] + 1,
-        int(extent[0]) // side[0],
-        (int(extent[1]) - 1) // side[0] + 1,
+        int(extent[2]) // LINES,
+        (int(extent[3]) - 1) // LINES + 1,
+        int(extent[0]) // COLUMNS,
+        (int(extent[1]) - 1) // COLUMNS + 1,
     )
 
 
@@ -200,6 +196,7 @@ def rasterise(
     counts : (T, COUNTS) int64
     face : (H, W) int32
     depth : (H, W) float64
+        They show the background.
     """
     for k in prange(len(tiles)):
         room = None if doubts is None else doubts[k]
@@ -250,15 +247,22 @@ def draw_tile(
         draw_table(loose[t], CLUSTER, keys, window, eye, farthest, doubts, counts)
     if doubts is not None:
         settle(keys, window, doubts, counts)
+    show(keys, window, drawn, faces, eye, face, depth)
+
+
+@jit
+def show(
+    keys: Array, window: Window, drawn: Bools, faces: Array, eye: Eye, face: Array, depth: Floats
+) -> None:
+    """Read out those cells of a window that were drawn to; the others show what they showed before."""
+    lines, columns = min(LINES, len(face) - window.line), min(COLUMNS, face.shape[1] - window.column)
     for row in range(-(-lines // CELL)):
         start = 0
         while start < columns:
             end = min(end_of_run(drawn[row], start // CELL) * CELL, columns)
-            box = (row * CELL, min((row + 1) * CELL, lines), start, end)
             if drawn[row, start // CELL]:
+                box = (row * CELL, min((row + 1) * CELL, lines), start, end)
                 read_out(keys, window, box, faces, eye, face, depth)
-            else:
-                clear(window, box, face, depth)
             start = end
 
 

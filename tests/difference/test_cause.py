@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import hsr
-from hsr.algorithms import exact, raycast
+from hsr.algorithms import exact, raycast, raytiles
 from hsr.algorithms import scanline as algorithm
 from hsr.algorithms.registry import BUILT_IN, method_named
 from hsr.difference.cause import Causes, causes, pipeline_of
@@ -149,6 +149,13 @@ def test_the_transform_of_rays_is_named(truth: VisibilityMap, monkeypatch: pytes
     assert found.counts == {"transform": found.wrong} and found.wrong > 0
 
 
+def test_the_transform_of_tiles_is_named(truth: VisibilityMap, monkeypatch: pytest.MonkeyPatch) -> None:
+    honest = raytiles.clip_rows
+    monkeypatch.setattr(raytiles, "clip_rows", lambda *camera: coarse(honest(*camera), 2.0**-7))
+    found = named(soup(), "raycast-plain", truth)
+    assert found.counts == {"transform": found.wrong} and found.wrong > 0
+
+
 def test_the_traversal_is_named(truth: VisibilityMap, monkeypatch: pytest.MonkeyPatch) -> None:
     """Extents that have shrunk to points hide what is in them."""
     honest = hierarchy.boxes_of
@@ -234,7 +241,16 @@ def far_away() -> View:
 
 @pytest.mark.parametrize(
     "name",
-    ["scanline", "zbuffer-plain", "raycast", "opengl", "embree", "embree-packets", "raycast-woop-float32"],
+    [
+        "scanline",
+        "zbuffer-plain",
+        "raycast-plain",
+        "raycast-single",
+        "opengl",
+        "embree",
+        "embree-packets",
+        "raycast-woop-float32",
+    ],
 )
 def test_all_models_are_right_where_rounding_decides_nothing(name: str, truth: VisibilityMap) -> None:
     seen, samples, method = soup(), np.arange(0, 48 * 48, 7), method_named(name)

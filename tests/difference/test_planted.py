@@ -40,6 +40,7 @@ HONEST = (
     "scanline-float32-direct",
     "zbuffer",
     "raycast",
+    "raycast-plain",
     "raycast-single",
     "raycast-list",
 )

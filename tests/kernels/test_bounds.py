@@ -2,28 +2,14 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 
 import numpy as np
 import pytest
 
-from hsr.kernels.bounds import (
-    NOWHERE,
-    Beam,
-    box_entry,
-    corner_of,
-    naive_entry,
-    nearness_of,
-    reach_box,
-    reach_triangle,
-    samples_of,
-)
+from hsr.kernels.bounds import Beam, box_entry, naive_entry, nearness_of
 from hsr.kernels.hierarchy import NODE
 from hsr.kernels.rays import reciprocal
-
-SCREEN = np.array([[8.0, 0, 0, 0], [0, -8.0, 0, 0], [0, 0, -1.0, 0]])
-"""Eye at the origin, looking along -z, eight pixels for a slope of 1."""
 
 
 def box(low, high):
@@ -125,58 +111,3 @@ def test_a_beam_is_as_thick_as_its_margin():
 def test_nearness_grows_as_depth_shrinks():
     assert [nearness_of(d, True) for d in (4.0, 0.5, 0.0, -1.0)] == [0.25, 2.0, math.inf, math.inf]
     assert nearness_of(-3.0, False) == 3.0
-
-
-def test_samples_within_a_reach():
-    assert samples_of(-1.5, 0.5, 4) == (0, 2)
-    assert samples_of(-1.49, 0.49, 4) == (1, 1)
-    assert samples_of(-9.0, math.inf, 4) == (0, 3)
-    first, last = samples_of(0.6, 1.4, 4)
-    assert first > last
-    first, last = samples_of(math.inf, -math.inf, 4)
-    assert first > last
-
-
-def corners(*points, perspective=True):
-    return [corner_of(SCREEN, *map(float, p), perspective) for p in points]
-
-
-def test_reach_of_a_triangle_in_front_of_the_eye():
-    reach = reach_triangle(*corners((0, 0, -1), (1, 0, -2), (0, 1, -4)), True, 0.5)
-    assert tuple(reach) == (0.0, 4.0, -2.0, 0.0, 1.0)
-
-
-def test_reach_of_a_triangle_behind_the_eye_is_nowhere():
-    assert reach_triangle(*corners((0, 0, 1), (1, 0, 2), (0, 1, 4)), True, 0.5) == NOWHERE
-
-
-def test_reach_of_what_crosses_near_holds_the_visible_part():
-    random = np.random.default_rng(3)
-    for _ in range(200):
-        points = random.normal(size=(3, 3)) * [2.0, 2.0, 3.0]
-        reach = reach_triangle(*corners(*points), True, 0.5)
-        for weights in random.dirichlet([1.0, 1.0, 1.0], 60):
-            x, y, z = weights @ points
-            if -z >= 0.5:
-                assert reach.left <= 8 * x / -z + 1e-9
-                assert reach.right >= 8 * x / -z - 1e-9
-                assert reach.top <= -8 * y / -z + 1e-9
-                assert reach.bottom >= -8 * y / -z - 1e-9
-                assert reach.nearest >= 1 / -z - 1e-9
-
-
-@pytest.mark.parametrize("perspective", [True, False])
-def test_reach_of_a_box_is_that_of_its_corners(perspective):
-    low, high = (-1.0, 0.0, -4.0), (2.0, 1.0, -2.0)
-    reach = reach_box(SCREEN, low, high, perspective, 0.5)
-    ends = zip(low, high, strict=True)
-    seen = np.array([corner_of(SCREEN, *p, perspective) for p in itertools.product(*ends)])
-    x, y = (seen[:, :2] * seen[:, 3:] if perspective else seen[:, :2]).T
-    assert tuple(reach) == (x.min(), x.max(), y.min(), y.max(), seen[:, 3].max())
-
-
-def test_reach_of_a_box_around_the_eye_is_wide():
-    reach = reach_box(SCREEN, (-3.0, -3.0, -3.0), (3.0, 3.0, 3.0), True, 0.5)
-    assert reach.left <= -48.0
-    assert reach.right >= 48.0
-    assert reach.nearest == 2.0

@@ -19,6 +19,7 @@ from hsr.difference.models import scanline as scanned
 from hsr.difference.models.rounded import tessellation
 from hsr.difference.models.stages import Cause, Pipeline, Stage, rerun
 from hsr.viewing import View
+from hsr.visibility import BACKGROUND
 
 FLOAT64 = scanline.Options()
 
@@ -43,7 +44,8 @@ def _drawn(view: View, layers: list[list[int]]) -> Iterator[Ints]:
     eye, polygon = eye_of(view, mesh_of(view)), view.polygons.triangle_polygon
     for layer in layers:
         alone = clustered(view, np.flatnonzero(np.isin(polygon, layer)), polygon)
-        answer = np.empty((view.height, view.width), np.int32), np.empty((view.height, view.width))
+        size = (view.height, view.width)
+        answer = np.full(size, BACKGROUND, np.int32), np.full(size, np.inf)
         draw(view, alone, eye, np.empty((len(alone.vertices), 4)), False, answer)
         yield answer[0]
 
