@@ -19,6 +19,7 @@ from hsr import __version__
 from hsr.console import err, new_table, out, print_json, print_renders, print_studies, progress, say
 from hsr.errors import HsrError, UnavailableError
 from hsr.output import write_whole
+from hsr.stability import stability_app
 
 if TYPE_CHECKING:
     from hsr.difference.study import Study
@@ -36,6 +37,7 @@ app = typer.Typer(
 )
 scene_app = typer.Typer(help="Check and describe scene files.", no_args_is_help=True)
 app.add_typer(scene_app, name="scene")
+app.add_typer(stability_app, name="stability")
 
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes.")]
