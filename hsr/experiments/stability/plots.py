@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
-from itertools import cycle
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from hsr.experiments.stability.family import CERTIFIED
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 MARKERS = "osD^vPX"
+LINES = ("-", "--", ":")
+"""For the first seven rows, the second, and the third."""
 QUIET = "#8a8a8a"
 
 STYLE: dict[Any, Any] = {
@@ -62,13 +64,16 @@ def draw(result: Result) -> Figure:
     figure = Figure(figsize=(8.2, 3.9), layout="constrained")
     axes = figure.subplots()
     _scale(axes, result)
-    colours = cycle(zip(COLOURS, MARKERS, strict=True))
+    styles = product(LINES, zip(COLOURS, MARKERS, strict=True))
     for row in result.rows:
         if row.variant in CERTIFIED:
             _draw_certified(axes, row)
         else:
-            colour, marker = next(colours) if row.because else (QUIET, "")
-            _draw_row(axes, row, colour, marker)
+            line, (colour, marker) = next(styles) if row.because else ("-", (QUIET, ""))
+            _draw_row(axes, row, line, colour, marker)
+    for name, value in result.family.crossings.items():
+        axes.axvline(value, color=QUIET, linewidth=0.6)
+        axes.annotate(name, (value, 0.02), xycoords=("data", "axes fraction"), rotation=90, fontsize=6.5)
     axes.set_xlabel(f"{result.family.parameter}  (harder to the right)")
     axes.set_ylabel(result.family.figure_name)
     axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize=8.0)
@@ -105,13 +110,15 @@ def _draw_certified(axes: Axes, row: Row) -> None:
     )
 
 
-def _draw_row(axes: Axes, row: Row, colour: str, marker: str) -> None:
+def _draw_row(axes: Axes, row: Row, line: str, colour: str, marker: str) -> None:
     x, y = _points(row)
     label = f"{row.variant}: {row.verdict}"
-    measured = axes.plot(x, y, color=colour, marker=marker, markersize=4.0, linewidth=1.0, label=label)
+    measured = axes.plot(
+        x, y, color=colour, marker=marker, markersize=4.0, linewidth=1.0, linestyle=line, label=label
+    )
     if row.curve:
         measured[0].set_linestyle("none")
-        axes.plot([point.value for point in row.points], row.curve, color=colour, linewidth=1.2, alpha=0.7)
+        axes.plot([point.value for point in row.points], row.curve, color=colour, linestyle=line, alpha=0.7)
     elif row.predicted is not None:
         axes.axvline(row.predicted, color=colour, linestyle=":", linewidth=1.2)
 

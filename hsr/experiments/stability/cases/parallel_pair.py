@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -90,6 +91,13 @@ PLAIN: tuple[tuple[str, Any, Callable[[float], float], str], ...] = (
 )
 """Formats that only the plain buffer has: name, what is stored, resolution, and its formula."""
 
+CROSSINGS = {
+    "D24 no worse than D32F": 2.0 * NEAR,
+    "log better than D16": NEAR * math.log(FAR / NEAR),
+    "W16, W24 better than D16, D24": math.sqrt(NEAR * FAR),
+}
+"""Where resolutions cross: 2 near, near ln(far / near), and the geometric mean of near and far."""
+
 FAMILY = Family(
     name="parallel-pair",
     group="depth",
@@ -112,6 +120,7 @@ FAMILY = Family(
     size=lambda *_: (COLUMNS, ROWS),
     figure=resolution,
     figure_name="largest separation that is not resolved",
+    crossings=CROSSINGS,
     variants=(
         *(
             Variant(name, None, because, 4.0, "scanline-direct", options, curve=curve)
