@@ -1,6 +1,7 @@
 # make lab    set up, compare all built-in scenes by all methods, write and name the report
 # make test   set up, then lint, types, import rules, tests (with the JIT and without)
 # make proof  the long run: every scene, many sizes; MESHES=DIR adds real meshes
+# make samples  write the course of lessons and the gallery that are kept under reports/
 # make clean  remove the environment and generated reports
 
 PYTHON ?= python3
@@ -8,6 +9,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 REPORT ?= reports/lab.html
 SIZE ?= 512x512
+SHOWN := solids cyclic engineering teapot
+TURNING := solids cyclic teapot
 ROOT := $(shell [ "$$(id -u)" = 0 ] || echo "sudo -n")
 APT := $(ROOT) env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0
 
@@ -15,7 +18,7 @@ APT := $(ROOT) env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0
 install = $(APT) update >/dev/null 2>&1 && $(APT) install -y --no-install-recommends $(1) >/dev/null 2>&1 \
 	|| echo "not installed: $(1); for $(2) run: apt-get install -y --no-install-recommends $(1)"
 
-.PHONY: lab test proof clean opengl browser
+.PHONY: lab test proof samples clean opengl browser
 
 lab: $(VENV)/lab.stamp opengl
 	@$(BIN)/hsr compare scenes/*.toml --size $(SIZE) -o $(REPORT)
@@ -60,6 +63,10 @@ browser:
 	@command -v chromium >/dev/null || { command -v apt-get >/dev/null || exit 0; \
 		echo "installing Chromium, in which the report is tested"; \
 		$(call install,chromium,the browser tests); }
+
+samples: $(VENV)/lab.stamp opengl
+	$(BIN)/hsr lesson --all -o reports/lessons
+	$(BIN)/hsr gallery $(addprefix scenes/,$(addsuffix .toml,$(SHOWN))) $(addprefix --turn ,$(TURNING)) -o reports/gallery
 
 clean:
 	rm -rf $(VENV) reports/lab.html

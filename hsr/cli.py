@@ -16,17 +16,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from hsr import __version__
+from hsr.bench import bench_app
 from hsr.console import err, new_table, out, print_json, print_renders, print_studies, progress, say
 from hsr.errors import HsrError, UnavailableError
-from hsr.output import write_whole
+from hsr.options import DIFFERS, MISSING, USAGE, Json, Methods, Quiet, check_folder, parse_size
+from hsr.output import make_folder, write_whole
 from hsr.stability import stability_app
 
 if TYPE_CHECKING:
     from hsr.difference.study import Study
     from hsr.viewing import View
     from hsr.visibility import VisibilityMap
-
-DIFFERS, USAGE, MISSING = 1, 2, 3
 
 app = typer.Typer(
     help="Which surface does the eye see at each pixel? Every classic method, compared sample by sample.",
@@ -37,14 +37,10 @@ app = typer.Typer(
 )
 scene_app = typer.Typer(help="Check and describe scene files.", no_args_is_help=True)
 app.add_typer(scene_app, name="scene")
+app.add_typer(bench_app, name="bench")
 app.add_typer(stability_app, name="stability")
 
-Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes.")]
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Also print work counts and clusters.")]
-Methods = Annotated[
-    list[str] | None, typer.Option("--method", "-a", help="Method, repeatable; 'hsr algos' lists them.")
-]
 Size = Annotated[str, typer.Option("--size", help="Image size in pixels, WxH or N.")]
 Sample = Annotated[str, typer.Argument(metavar="X,Y", help="Column and row, counted from 0 at the top left.")]
 CameraName = Annotated[str | None, typer.Option("--camera", help="Camera; the scene's first by default.")]
@@ -103,9 +99,9 @@ def render(
     import hsr
     from hsr.algorithms.registry import method_named
 
-    _check_folder(output)
-    _check_folder(png)
-    view = hsr.view(hsr.load(scene), _size(size), camera)
+    check_folder(output)
+    check_folder(png)
+    view = hsr.view(hsr.load(scene), parse_size(size), camera)
     names = method or ["zbuffer"]
     rows = []
     with progress(quiet, len(names)) as step:
@@ -186,29 +182,29 @@ def compare(
     from hsr.difference.classes import DIFFERENT
     from hsr.difference.study import study
 
-    _check_folder(output)
+    check_folder(output)
     forbidden = _classes(fail_on, DIFFERENT)
     loaded = [(path, hsr.load(path)) for path in scenes]
     names = method or list(hsr.methods())
     studies = []
-    with progress(quiet, len(loaded) * len({*names, ref})) as step:
+    with progress(quiet, len(loaded) * (len({*names, ref}) + (output is not None))) as step:
         for path, scene in loaded:
             found = study(
                 scene,
                 names,
                 ref,
-                _size(size),
+                parse_size(size),
                 camera,
                 name=path.stem,
                 patient=method is not None,
                 progress=step,
             )
             studies.append(found)
-    _require(studies, {*(method or ()), ref})
-    if output is not None:
-        from hsr.report.page import write_report
+        _require(studies, {*(method or ()), ref})
+        if output is not None:
+            from hsr.report.page import write_report
 
-        write_report(studies, output)
+            write_report(studies, output, progress=step)
     if as_json:
         print_json({"hsr": 1, "studies": [found.to_json() for found in studies]})
     else:
@@ -269,6 +265,23 @@ def diff(
         raise typer.Exit(DIFFERS)
 
 
+# ---------------------------------------------------------------- accept
+
+
+@app.command()
+def accept(
+    decisions: Annotated[Path, typer.Argument(help="File that the page of a test run wrote, .json.")],
+    results: Annotated[Path, typer.Option("--results", help="Folder of the run's results.")] = Path(
+        ".hsr-results"
+    ),
+) -> None:
+    """Replace baselines of tests as decided in the page of a test run; run it in the project's root."""
+    from hsr.testing.accepting import apply
+
+    for line in apply(decisions, results, Path()):
+        say(line)
+
+
 # ---------------------------------------------------------------- explain, shrink
 
 NEGATIVE = {"ignore_unknown_options": True}
@@ -280,20 +293,23 @@ def explain(
     scene: Annotated[Path, typer.Argument(help="Scene or mesh file.")],
     sample: Sample,
     method: Methods = None,
+    map: Annotated[list[Path] | None, typer.Option("--map", help="Map to explain, .npz, repeatable.")] = None,
     size: Size = "512x512",
     camera: CameraName = None,
     as_json: Json = False,
 ) -> None:
-    """Tell what lies on one line of sight, and why each method shows what it shows.
+    """Tell what lies on one line of sight, and why each method or map shows what it shows.
 
-    Without -a zbuffer, raycast and, where it runs, opengl are asked.
+    Without -a and --map zbuffer, raycast and, where it runs, opengl are asked.
     """
     import hsr
     from hsr.difference.history import history
 
-    view = hsr.view(hsr.load(scene), _size(size), camera)
+    view = hsr.view(hsr.load(scene), parse_size(size), camera)
     column, row = _sample(sample, view)
-    told = history(view, row, column, _maps(view, method))
+    given = [hsr.load_map(file) for file in map or ()]
+    asked = given if given and not method else [*given, *_maps(view, method)]
+    told = history(view, row, column, asked)
     if as_json:
         print_json({"hsr": 1, "scene": str(scene), **told.to_json()})
     else:
@@ -331,8 +347,8 @@ def shrink(
     from hsr.scene.writing import to_toml, write_scene
 
     loaded = hsr.load(scene)
-    column, row = _sample(sample, hsr.view(loaded, _size(size), camera))
-    found = smallest(loaded, row, column, a, b, _size(size), camera)
+    column, row = _sample(sample, hsr.view(loaded, parse_size(size), camera))
+    found = smallest(loaded, row, column, a, b, parse_size(size), camera)
     if output is not None:
         write_scene(found.scene, output)
     if as_json:
@@ -358,6 +374,59 @@ def _sample(text: str, view: View) -> tuple[int, int]:
         raise HsrError(f"sample {text!r}: write COLUMN,ROW, such as 311,204") from None
     check_sample(view, row, column)
     return column, row
+
+
+# ---------------------------------------------------------------- lesson, gallery
+
+
+@app.command()
+def lesson(
+    topic: Annotated[str | None, typer.Argument(help="What it is about; an unknown one lists all.")] = None,
+    scene: Annotated[Path | None, typer.Argument(help="Scene in place of the lesson's own.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Page to write, .html; with --all a folder.")
+    ] = None,
+    course: Annotated[bool, typer.Option("--all", help="All lessons, and a page that lists them.")] = False,
+) -> None:
+    """Write a lesson: the real algorithm on a small picture, step by step, as one HTML page."""
+    import hsr
+    from hsr.lessons.topics import topic_named, topics
+    from hsr.report.lesson import write_course, write_lesson
+
+    if course == (topic is not None):
+        raise HsrError(f"name a topic or say --all; the topics are {', '.join(topics())}")
+    if output is None:
+        raise HsrError("say where to write by -o: a page.html for one topic, a folder for --all")
+    if topic is None:
+        write_course(topics(), make_folder(output))
+    else:
+        chosen = topic_named(topic)
+        check_folder(output)
+        write_lesson(chosen, output, None if scene is None else hsr.load(scene))
+    say(f"wrote {output}")
+
+
+@app.command()
+def gallery(
+    scenes: Annotated[list[Path], typer.Argument(help="Scene files.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder to write.")],
+    size: Size = "256x256",
+    turn: Annotated[
+        list[str] | None, typer.Option("--turn", help="Scene, by its name, to show turning; repeatable.")
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Write a page of scenes: what each looks like, what it shows, which methods are right on it."""
+    import hsr
+    from hsr.report.gallery import write_gallery
+
+    loaded = {path.stem: hsr.load(path) for path in scenes}
+    for name in turn or ():
+        if name not in loaded:
+            raise HsrError(f"--turn {name}: no such scene is given; there are {', '.join(loaded)}")
+    with progress(quiet, len(loaded)) as step:
+        write_gallery(loaded, make_folder(output), parse_size(size), turn or (), step)
+    say(f"wrote {output}")
 
 
 # ---------------------------------------------------------------- algos, doctor
@@ -432,7 +501,7 @@ def info(
     import hsr
     from hsr.scene.info import describe, lines
 
-    found = describe(hsr.load(file), _size(size))
+    found = describe(hsr.load(file), parse_size(size))
     if as_json:
         print_json(found)
         return
@@ -452,23 +521,6 @@ def schema(
         print(text)
         return
     write_whole(file, text + "\n", "the schema")
-
-
-# ---------------------------------------------------------------- shared
-
-
-def _size(text: str) -> tuple[int, int]:
-    width, _, height = text.lower().partition("x")
-    try:
-        return int(width), int(height or width)
-    except ValueError:
-        raise typer.BadParameter(f"--size {text!r}: write WIDTHxHEIGHT, such as 640x480") from None
-
-
-def _check_folder(output: Path | None) -> None:
-    """Refuse a file that cannot be written before the work is done, not after."""
-    if output is not None and not output.parent.is_dir():
-        raise HsrError(f"{output}: there is no folder {output.parent}; make it first")
 
 
 if __name__ == "__main__":

@@ -37,3 +37,15 @@ class MapError(HsrError):
 
 class UnavailableError(HsrError):
     """A method needs something this machine lacks, such as OpenGL or Embree."""
+
+
+class NoOpenGLError(UnavailableError):
+    """OpenGL is missing, or does not draw what it should."""
+
+
+class CheckError(HsrError):
+    """A check of a test that cannot be made: a tolerance that makes no sense, an unreadable baseline."""
+
+
+class VisibilityError(HsrError, AssertionError):
+    """Maps differ by more than a test allows; the message says by what, where and why."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -39,6 +40,14 @@ def parallel_jit(function: Function) -> Function:
     The result must not depend on how the iterations are shared out among the threads.
     """
     return cast(Function, numba.njit(cache=True, error_model="numpy", parallel=True)(function))
+
+
+def one_by_one() -> AbstractContextManager[None]:
+    """Within this context, threads take the iterations of ``prange`` loops one by one, as they get free.
+
+    For pieces of work of unequal size, the largest first.
+    """
+    return cast("AbstractContextManager[None]", numba.parallel_chunksize(1))
 
 
 def forget_stale_kernels(package: Path) -> None:

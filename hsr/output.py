@@ -36,3 +36,18 @@ def write_whole(path: str | Path, data: bytes | str, what: str, error: type[HsrE
             unfinished.unlink(missing_ok=True)
     except OSError as problem:
         raise error(f"{path}: cannot write {what}: {problem.strerror}") from problem
+
+
+def make_folder(path: str | Path) -> Path:
+    """Make a folder, and those above it, unless it is there.
+
+    Raises
+    ------
+    HsrError
+        If that fails.
+    """
+    try:
+        Path(path).mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise HsrError(f"{path}: cannot make the folder: {problem.strerror}") from problem
+    return Path(path)

@@ -71,6 +71,32 @@ def shade(map: VisibilityMap, view: View) -> Pixels:
     return _bytes(picture)
 
 
+def facing(map: VisibilityMap, view: View) -> Array:
+    """Tell whether each sample shows the front or the back of its face.
+
+    The front is the side that the outward normal points to, taken where the face is seen: of spheres and
+    cylinders both sides can be. Computed with rounding, for pictures.
+
+    Parameters
+    ----------
+    map : VisibilityMap
+    view : View
+        The view that was rendered, with its curved shapes.
+
+    Returns
+    -------
+    (H, W) int8
+        1 for the front, -1 for the back, 0 for the background.
+    """
+    facing = np.zeros(map.face.shape, dtype=np.int8)
+    rows, columns = np.nonzero(map.face != BACKGROUND)
+    if len(rows):
+        point, sight = _points(view, rows, columns, map.depth[rows, columns])
+        normal, _ = _surface(view, map.face[rows, columns], point)
+        facing[rows, columns] = np.where(_dot(normal, sight) < 0.0, 1, -1)
+    return facing
+
+
 def _points(view: View, rows: Array, columns: Array, depth: Floats) -> tuple[Floats, Floats]:
     """World point (n, 3) of each sample, and the unit direction (n, 3) in which the eye sees it."""
     x = (2 * columns + 1) / view.width - 1.0
@@ -81,7 +107,7 @@ def _points(view: View, rows: Array, columns: Array, depth: Floats) -> tuple[Flo
 
 
 def _surface(view: View, face: Ints, point: Floats) -> tuple[Floats, Floats]:
-    """Return unit normals (n, 3) in world space, either way round, and colours (n, 3)."""
+    """Return outward unit normals (n, 3) in world space, and colours (n, 3)."""
     normal, colour = np.empty_like(point), np.empty_like(point)
     owner = view.object_of(face)
     by_object = np.argsort(owner, kind="stable")
@@ -94,7 +120,7 @@ def _surface(view: View, face: Ints, point: Floats) -> tuple[Floats, Floats]:
 
 
 def _normals(placement: Placement, face: Ints, point: Floats) -> Floats:
-    """Return unit normals (n, 3) in world space, carried there by the inverse transpose."""
+    """Return outward unit normals (n, 3) in world space, carried there by the inverse transpose."""
     inverse = np.linalg.inv(placement.world_from_object[:3, :3])
     shape = placement.shape
     if shape.polygons is not None:
@@ -103,8 +129,9 @@ def _normals(placement: Placement, face: Ints, point: Floats) -> Floats:
         return _unit(_newell(shape.polygons, polygon) @ inverse)[which]
     local = (point - placement.world_from_object[:3, 3]) @ inverse.T
     if shape.kind == Kind.CYLINDER:
-        # The side points away from the axis, base and cap along it.
-        local = np.where((face == 0)[:, None], local * [1.0, 1.0, 0.0], [0.0, 0.0, 1.0])
+        # The side points away from the axis, the base down along it and the cap up.
+        flat = np.where(face == 1, -1.0, 1.0)[:, None] * [0.0, 0.0, 1.0]
+        local = np.where((face == 0)[:, None], local * [1.0, 1.0, 0.0], flat)
     return _unit(local @ inverse)
 
 

@@ -3,26 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
-from typer.core import TyperGroup
 
 from hsr.console import new_table, out, print_json, progress, say
 from hsr.errors import HsrError
+from hsr.options import DIFFERS, Json, Quiet, RunByDefault
+from hsr.output import make_folder
 
 if TYPE_CHECKING:
     from hsr.experiments.stability.judge import Result
-
-
-class RunByDefault(TyperGroup):
-    """A group whose command ``run`` need not be named: what is no command's name is for it."""
-
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Put ``run`` before arguments that do not begin with a command, or ask for help."""
-        if not args or args[0] not in {*self.commands, *ctx.help_option_names}:
-            args = ["run", *args]
-        return super().parse_args(ctx, args)
 
 
 stability_app = typer.Typer(
@@ -47,32 +38,27 @@ def run(
     as_markdown: Annotated[
         bool, typer.Option("--markdown", help="Print the ten rows that teach most.")
     ] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes.")] = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
 ) -> None:
     """Judge methods on families of hard cases; exit 1 if any row contradicts its theory."""
-    from hsr.algorithms.registry import methods
     from hsr.experiments.stability.family import families, family_named
     from hsr.experiments.stability.judge import contradictions, judge
     from hsr.experiments.stability.summary import markdown
 
     chosen = [family_named(name) for name in dict.fromkeys(family or families())]
+    asked = {this.name: [name for name in method or () if this.knows(name)] for this in chosen}
     for name in method or ():
-        if not any(name in known for known in (methods(), *({v.name for v in f.variants} for f in chosen))):
+        if not any(name in names for names in asked.values()):
             raise HsrError(f"no method or variant is named {name!r}; 'hsr algos' lists the methods")
     if output is not None:
-        from hsr.report.stability import make_folder, write_folder
-
         make_folder(output)
-    results = []
-    with progress(quiet, sum(len(f.values(quick)) for f in chosen)) as step:
-        for this in chosen:
-            asked = [
-                name for name in method or () if name in methods() or name in {v.name for v in this.variants}
-            ]
-            if asked or not method:
-                results.append(judge(this, quick, asked, step))
+    judged = [this for this in chosen if asked[this.name] or not method]
+    with progress(quiet, sum(len(this.values(quick)) for this in judged)) as step:
+        results = [judge(this, quick, asked[this.name], step) for this in judged]
     if output is not None:
+        from hsr.report.stability import write_folder
+
         write_folder(results, output)
     if as_json:
         print_json({"hsr": 1, "families": [result.to_json() for result in results]})
@@ -83,7 +69,7 @@ def run(
         if output is not None:
             say(f"report: {output / 'index.html'}")
     if any(contradictions(results)):
-        raise typer.Exit(1)
+        raise typer.Exit(DIFFERS)
 
 
 def _print_matrix(results: list[Result]) -> None:

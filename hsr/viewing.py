@@ -317,12 +317,12 @@ def _in_world(placement: Placement) -> WorldPolygons:
         raise ViewError(f"object {placement.name!r} is curved; use view.tessellated()")
     matrix = placement.world_from_object
     vertices = polygons.vertices @ matrix[:3, :3].T + matrix[:3, 3]
-    corner = _reversed_loops(polygons) if placement.mirrored else polygons.corner
+    corner = reversed_loops(polygons) if placement.mirrored else polygons.corner
     cull = np.full(len(polygons), placement.cull, dtype=np.int8)
     return WorldPolygons(vertices, corner, polygons.start, polygons.face + np.int32(placement.first), cull)
 
 
-def _reversed_loops(polygons: Polygons) -> Ints:
+def reversed_loops(polygons: Polygons) -> Ints:
     """Corners of every polygon in opposite order, the first corner kept first."""
     start, end = polygons.start[:-1], polygons.start[1:]
     sides = end - start

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -22,6 +23,9 @@ BACKGROUND = -1
 
 FORMAT = 1
 """The version of the map file."""
+
+NO_DEPTH = {"stored": "nothing"}
+"""The note ``depth_format`` of a map that tells no depths."""
 
 TOLD: dict[str, type] = {"method": str, "work": dict, "notes": dict, "manifest": list, "hashes": dict}
 """What the file tells beside the arrays: fields of :class:`VisibilityMap`, and their types."""
@@ -64,7 +68,8 @@ class VisibilityMap:
     face : (H, W) int32
         Face id of the owner of each sample, ``-1`` for the background. Row 0 is the top row.
     depth : (H, W) float64
-        Depth of the owner in scene units along the view axis, ``+inf`` for the background.
+        Depth of the owner in scene units along the view axis, ``+inf`` for the background. NaN for
+        all faces of a map that tells no depths, which has the note ``NO_DEPTH``.
     method : str
         The name under which the method is registered.
     work : dict of str to int
@@ -107,6 +112,11 @@ class VisibilityMap:
         """Number of columns."""
         return int(self.face.shape[1])
 
+    @property
+    def tells_depth(self) -> bool:
+        """Whether the map holds depths, and not faces alone."""
+        return bool(self.notes.get("depth_format") != NO_DEPTH)
+
     def admits(self, face: Ints) -> Bools:
         """Tell where another map shows an owner that this one does not contradict.
 
@@ -129,6 +139,12 @@ class VisibilityMap:
     def name_of(self, face: int) -> str:
         """Return what a person calls a face: ``cube.top``, ``bunny#18211`` or ``background``."""
         return name_in(self.manifest, face)
+
+    def _repr_html_(self) -> str:
+        """Show the map in a notebook."""
+        # By name: pages stand far above maps, and nobody but a notebook asks for one.
+        html: str = importlib.import_module("hsr.report.notebook").map_html(self)
+        return html
 
     def save(self, path: str | Path) -> None:
         """Write the map as ``.npz``: the same answer gives the same bytes.

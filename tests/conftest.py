@@ -9,6 +9,8 @@ from typing import Any
 
 import pytest
 
+pytest_plugins = "pytester"
+
 SCENES = Path(__file__).parent.parent / "scenes"
 JIT = os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import runpy
 import shlex
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from typer.testing import CliRunner
 
 from hsr.cli import app
 from hsr.errors import UnavailableError
+from tests.experiments.made_up import results, row
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -36,11 +38,35 @@ def test_the_commands_exist_with_their_options() -> None:
     assert len(lines) >= 10
     for line in lines:
         words = shlex.split(line, comments=True)[1:]
-        command = words[:2] if words[0] == "scene" else words[:1]
+        command = words[:2] if words[0] in ("scene", "bench") else words[:1]
+        if words[0] == "bench" and words[1] not in ("scaling", "compare"):
+            command = ["bench", "run"]
         told = CliRunner().invoke(app, [*command, "--help"], env={"COLUMNS": "200", "NO_COLOR": "1"})
         assert told.exit_code == 0
         for option in (word for word in words if word.startswith("-")):
             assert option in told.output, f"{line}: no option {option}"
+
+
+def test_the_table_is_what_was_measured() -> None:
+    """The section stands there if and only if there are results, and says what they say."""
+    script = runpy.run_path(str(ROOT / "benchmarks" / "readme.py"))
+    found = script["measured"]()
+    assert (script["BEGIN"] in README) == bool(found)
+    if found:
+        assert script["updated"](README, found) == README
+        assert all((ROOT / "benchmarks" / "results" / f"{one.stem}.svg").exists() for one in found)
+
+
+def test_the_section_is_written_between_its_marks() -> None:
+    script = runpy.run_path(str(ROOT / "benchmarks" / "readme.py"))
+    found = [results(row("zbuffer", wrong=1234))]
+    text = f"Before.\n\n{script['BEGIN']}\nold figures\n{script['END']}\n\nAfter.\n"
+    fresh = script["updated"](text, found)
+    assert fresh.startswith("Before.") and fresh.endswith("After.\n") and "old figures" not in fresh
+    assert "| zbuffer |  |  | 1 |  | 1,234 | vertex snapping 1,234 |  |" in fresh
+    assert script["updated"](fresh, found) == fresh
+    with pytest.raises(SystemExit, match="put the lines"):
+        script["updated"]("no marks", found)
 
 
 def test_the_scene_is_valid(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from PIL import Image
 import hsr
 from hsr.errors import HsrError
 from hsr.scene.model import Scene
-from hsr.shading import depth_picture, depth_span, face_colours, face_picture, save_picture, shade
+from hsr.shading import depth_picture, depth_span, face_colours, face_picture, facing, save_picture, shade
 from hsr.viewing import View
 from hsr.visibility import VisibilityMap
 
@@ -133,6 +133,32 @@ def test_a_ball_darkens_toward_its_rim_on_all_sides_alike() -> None:
     assert (picture[4, 4] > picture[4, 6]).all() and (picture[4, 6] > picture[4, 8]).all()
     for mirrored in (picture[::-1], picture[:, ::-1], picture.transpose(1, 0, 2)):
         assert abs(picture - mirrored).max() <= 1
+
+
+@pytest.mark.parametrize(
+    ("thing", "eye", "expected"),
+    [
+        ({"shape": "cube"}, [0.3, 0.4, 5.0], {1}),
+        ({"shape": "cube", "transform": [{"scale": [-1.0, 1.0, 1.0]}]}, [0.3, 0.4, 5.0], {1}),
+        ({"shape": "square"}, [0.3, 0.4, -5.0], {-1}),
+        ({"shape": "sphere"}, [0.3, 0.4, 5.0], {1}),
+        ({"shape": "sphere", "transform": [{"scale": [9.0, 9.0, -9.0]}]}, [0.3, 0.4, 5.0], {-1}),
+        ({"shape": "cylinder"}, [0.3, 0.4, 5.0], {1}),
+        ({"shape": "cylinder"}, [0.3, 0.4, -5.0], {1}),
+        (
+            {"shape": "cylinder", "transform": [{"scale": 20.0}, {"translate": [0.0, 0.0, -10.0]}]},
+            [0.3, 0.4, 5.0],
+            {-1},
+        ),
+    ],
+)
+def test_the_side_that_is_seen(
+    thing: dict[str, Any], eye: list[float], expected: set[int], make_scene: Any
+) -> None:
+    view = hsr.view(make_scene([{"name": "thing", **thing}], eye=eye), (24, 24))
+    seen = hsr.render(view, "exact")
+    side = facing(seen, view)
+    assert np.array_equal(side == 0, seen.face < 0) and set(side[side != 0].tolist()) == expected
 
 
 def test_many_objects_keep_their_own_colours(make_scene: Any) -> None:

@@ -9,10 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from hsr.algorithms.resolve import facets_at
-from hsr.arrays import Bools, Floats, Ints
+from hsr.arrays import Array, Bools, Floats, Ints
 from hsr.kernels import halfspaces as hs
 from hsr.kernels.halfspaces import CLUSTER, ERROR, LOOSE, NEARNESS, TABLE, Eye, U
-from hsr.kernels.projection import clip_rows, to_clip
 from hsr.viewing import View
 
 ROUNDED = 16.0 * U
@@ -20,41 +19,51 @@ ROUNDED = 16.0 * U
 quotient each, and fewer than ten roundings of numbers below 1."""
 
 
-def loose_tables(
-    view: View, vertices: Floats, corner: Ints, number: Ints, screen: Floats, eye: Eye
-) -> Floats:
-    """Set up the triangles that ``halfspaces.set_up`` leaves out because a corner is not certain.
+def loose_triangles(screen: Floats, corner: Ints, eye: Eye) -> Array:
+    """Return the triangles (t,) that ``halfspaces.set_up`` leaves out because a corner is not certain.
+
+    Parameters
+    ----------
+    screen : (V, 4) float64
+        Projected vertices.
+    corner : (n, 3) int32
+    eye : Eye
+    """
+    certain = screen[:, ERROR] <= LOOSE
+    if certain.all():
+        return np.empty(0, np.int64)
+    ahead = _may_be_ahead(screen[:, NEARNESS], eye)
+    return np.flatnonzero(~certain[corner].all(axis=1) & ahead[corner].any(axis=1))
+
+
+def loose_tables(view: View, clip: Floats, piece: Ints, number: Array, eye: Eye) -> Floats:
+    """Set up loose triangles.
 
     Parameters
     ----------
     view : View
-        Without curved shapes.
-    vertices : (V, 3) float64, world space
-    corner : (n, 3) int32
-    number : (n,) int32
-        Number of each triangle among the fans of ``view.polygons``.
-    screen : (V, 4) float64
-        The projected vertices.
+    clip : (t, 3, 3) float64
+        Clip coordinates (x, y, d) of their corners, with the errors that the eye says.
+    piece : (t,) int
+        Their numbers among the pieces of the view, see :func:`hsr.algorithms.resolve.first_pieces`.
+    number : (t,) int
+        The numbers that they get.
     eye : Eye
 
     Returns
     -------
-    (t, TABLE) float64
+    (tables, TABLE) float64
         Tables; in the last one, places without a triangle have no scan lines.
     """
-    certain = screen[:, ERROR] <= LOOSE
-    if certain.all():
+    if not len(clip):
         return np.empty((0, TABLE))
-    ahead = _may_be_ahead(screen[:, NEARNESS], eye)
-    loose = np.flatnonzero(~certain[corner].all(axis=1) & ahead[corner].any(axis=1))
-    clip = to_clip(vertices, clip_rows(view.clip_from_world, view.depth_row))
-    box = boxes(clip[corner[loose]], view.near, eye)
+    box = boxes(clip, view.near, eye)
     crossed = np.flatnonzero((box[:, 0] < box[:, 1]) & (box[:, 2] < box[:, 3]))
     if not len(crossed):
         return np.empty((0, TABLE))
-    chosen = crossed[np.argsort(number[loose[crossed]])]
-    columns = _columns(view, number[loose[chosen]], box[chosen], eye)
-    columns[hs.NUMBER // CLUSTER] = loose[chosen]
+    chosen = crossed[np.argsort(piece[crossed])]
+    columns = _columns(view, piece[chosen], box[chosen], eye)
+    columns[hs.NUMBER // CLUSTER] = number[chosen]
     tables = np.zeros((-(-len(chosen) // CLUSTER), TABLE // CLUSTER, CLUSTER))
     for t in range(len(tables)):
         part = columns[:, t * CLUSTER : (t + 1) * CLUSTER]
@@ -141,7 +150,7 @@ def _columns(view: View, piece: Ints, box: Floats, eye: Eye) -> Floats:
     a, b, c = facets.plane[:, :3].T
     s = np.maximum(facets.plane[:, 3], 1)
     above, below = (frame.unit, 1) if view.perspective else (1, frame.unit)
-    share = _depths_per_w(view)
+    share = w_at_depth_1(view)
     value, to_right, down = (
         -share * (number * above / (s * below)).astype(np.float64)
         for number in (a * i + b * j + c, 2 * a, -2 * b)
@@ -163,7 +172,7 @@ _ACROSS = [part // CLUSTER for part in (hs.ACROSS0, hs.ACROSS1, hs.ACROSS2)]
 _BELOW = [part // CLUSTER for part in (hs.BELOW0, hs.BELOW1, hs.BELOW2)]
 
 
-def _depths_per_w(view: View) -> float:
+def w_at_depth_1(view: View) -> float:
     """Return the clip coordinate w of a point at depth 1 under perspective; 1 for a parallel view."""
     if not view.perspective:
         return 1.0

@@ -1,7 +1,8 @@
 """Ray casting: one ray a sample, and of all it meets the nearest.
 
-Four ways to go through the objects, one answer: the plain list of the textbook, the list with an
-extent around every object, hierarchies of extents for single rays, and coherent tiles of rays.
+Four ways to go through the objects: the plain list of the textbook, the list with an extent around every
+object, hierarchies of extents for single rays, and coherent tiles of rays. The first three are rounded, and
+give one answer; tiles are certified, and give the true one (:mod:`hsr.algorithms.raytiles`).
 
 Single rays can be studied besides: with the triangle tests of the literature in place of that on the
 screen, in float32, and with extents that take no care of rounding. Those do not all answer the same.
@@ -9,16 +10,16 @@ screen, in float32, and with extents that take no care of rounding. Those do not
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple, get_args
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from hsr.algorithms import raytiles
 from hsr.arrays import Array, Floats, Ints
 from hsr.errors import MethodError
-from hsr.kernels import hierarchy, rays, raytiles, triangles
+from hsr.kernels import hierarchy, rays, triangles
 from hsr.kernels.bounds import nearness_of
 from hsr.scene.shapes import Kind, Polygons, Shape
 from hsr.viewing import Rays, View
@@ -52,10 +53,13 @@ class Options:
     Attributes
     ----------
     acceleration : {"tiles", "hierarchy", "extents", "none"}
-        Tiles of 16 x 16 rays through hierarchies, single rays through hierarchies, the object list
+        Tiles of 64 x 64 rays through hierarchies, single rays through hierarchies, the object list
         with extents, or the plain object list.
+    certified : bool
+        Whether what float64 leaves in doubt is decided exactly, with tiles. Otherwise it goes to the side it
+        seems to be on: what certification costs is the difference in time.
     count : bool
-        Whether work is counted, by kernels compiled for that.
+        Whether the work of single rays is counted, by kernels compiled for that; that of tiles always is.
     test : {"screen", "edge-planes", "moller-trumbore", "woop"}
         How single rays meet the triangles of meshes: projected to the screen, or in object space by one of
         the tests of :mod:`hsr.kernels.triangles`.
@@ -66,6 +70,7 @@ class Options:
     """
 
     acceleration: Acceleration = "tiles"
+    certified: bool = True
     count: bool = False
     test: Test = "screen"
     arithmetic: Arithmetic = "float64"
@@ -87,6 +92,8 @@ class Options:
                 "tiles test triangles on the screen, in float64, through robust slabs; "
                 "for other tests, arithmetic or slabs choose acceleration 'hierarchy'"
             )
+        if self.acceleration != "tiles" and not self.certified:
+            raise MethodError("single rays are never certified; leave certified out, or choose tiles")
         if self.test == "screen" and self.arithmetic == "float32":
             raise MethodError("the test on the screen is in float64 only; choose another test for float32")
         if self.acceleration == "none" and self.slabs == "naive":
@@ -96,11 +103,14 @@ class Options:
 def render(view: View, options: Options) -> VisibilityMap:
     """Find the nearest hit of every sample's ray.
 
-    Rays hit squares, cubes, polyhedra, spheres and cylinders in the shape's own frame, meshes
-    triangle by triangle on the screen. A hit counts if ``near <= depth <= far`` and its side is not
-    culled. A sample on an edge between triangles belongs to the right or lower of them (top-left
-    rule), with the tests in object space to both; the border of a generic shape belongs to the shape. Of
-    equal depths the lower face id wins.
+    A hit counts if ``near <= depth <= far`` and its side is not culled.
+
+    Tiles: the face is that of the limit from the right and below, whatever the rounding.
+
+    Single rays hit squares, cubes, polyhedra, spheres and cylinders in the shape's own frame, meshes
+    triangle by triangle on the screen. A sample on an edge between triangles belongs to the right or lower of
+    them (top-left rule), with the tests in object space to both; the border of a generic shape belongs to the
+    shape. Of equal depths the lower face id wins.
 
     Parameters
     ----------
@@ -110,15 +120,25 @@ def render(view: View, options: Options) -> VisibilityMap:
     Returns
     -------
     VisibilityMap
-        The face is the same for every acceleration (tested on the screen, with robust slabs) and every
-        number of threads. ``seconds`` has ``build`` (hierarchies; next to nothing when this process has
-        built them before), ``prepare`` and ``render``.
+        Of certified tiles, ``face`` is exact; ``depth`` is correctly rounded where it was decided exactly,
+        and elsewhere its inverse (under perspective; in a parallel view it itself) is within 2^-35 of the
+        range of what is seen, or what its vertices' rounding makes of it if that is more. Of single rays,
+        the face is the same for every acceleration (tested on the screen, with robust slabs). Neither
+        depends on the number of threads.
+
+        ``seconds``: ``build`` (hierarchies; next to nothing when this process has built them before),
+        ``prepare`` and ``render``. ``work`` of tiles: ``rays``; ``nodes visited``, ``extent tests`` of
+        objects and ``face tests``, each once for every tile; ``uncertain`` samples, which were decided
+        exactly. Of single rays, if counted: ``rays``, ``nodes visited``, ``extent tests``, ``face tests`` and
+        ``hits``.
 
     Raises
     ------
     MethodError
         If a coordinate is beyond float32, and that is the arithmetic.
     """
+    if options.acceleration == "tiles":
+        return raytiles.render(view, options.certified)
     clock = Clock()
     with clock("build"):
         shapes = _shapes(view)
@@ -126,13 +146,9 @@ def render(view: View, options: Options) -> VisibilityMap:
         camera, data = _camera(view), _data(view, shapes, options)
         size = (view.height, view.width)
         face, depth = np.empty(size, np.int32), np.empty(size)
-        shares = raytiles.SHARES if options.acceleration == "tiles" else view.height
-        work = np.zeros((shares, len(COUNTED)), np.int64) if options.count else None
+        work = np.zeros((view.height, len(COUNTED)), np.int64) if options.count else None
     with clock("render"):
-        if options.acceleration == "tiles":
-            _cast_tiles(camera, *data, face, depth, work)
-        else:
-            rays.cast(camera, data, _way(options), face, depth, work)
+        rays.cast(camera, data, _way(options), face, depth, work)
     counts = {} if work is None else dict(zip(COUNTED, work.sum(axis=0).tolist(), strict=True))
     step = float(np.finfo(options.arithmetic).eps)
     notes = {"depth_format": depth_format("distance", step, view.near, view.far)}
@@ -285,15 +301,10 @@ def _planes_of(polygons: Polygons) -> Floats:
 
 def _extent_of(shape: Shape) -> Floats:
     """Return the opposite corners (2, 3) of a shape's box in object space."""
-    if shape.kind == Kind.SPHERE:
-        return np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]])
-    if shape.kind == Kind.CYLINDER:
-        return np.array([[-1.0, -1.0, 0.0], [1.0, 1.0, 1.0]])
     if shape.kind == Kind.MESH:
         root = _mesh_of(shape).nodes[0]
         return np.stack([root["low"], root["high"]])
-    vertices = _polygons(shape).vertices
-    return np.stack([vertices.min(axis=0), vertices.max(axis=0)])
+    return raytiles.box_of(shape)
 
 
 # ---------------------------------------------------------------- the view as the kernels see it
@@ -437,81 +448,3 @@ def _margins(view: View, objects: Array, matrix: Floats, inverse: Floats) -> Flo
     ray = abs(sight.origin) @ border + t[:, None] * (abs(sight.direction) @ border)
     reach = ray + translation + (linear @ farthest[:, :, None])[:, :, 0]
     return np.asarray(2.0**-47 * (inverse @ linear @ inverse @ rounding @ reach[:, :, None])[:, :, 0])
-
-
-# ---------------------------------------------------------------- tiles
-
-BATCH = 1 << 18
-"""Triangles laid out on the screen together, or one object if it has more."""
-
-
-def _cast_tiles(
-    camera: rays.Camera,
-    objects: Array,
-    planes: Floats,
-    vertices: Floats,
-    triangles: Array,
-    nodes: Array,
-    face: Ints,
-    depth: Floats,
-    work: Array | None,
-) -> None:
-    """Cast all rays tile by tile into batches of objects, nearest first; see ``rays.cast``."""
-    tiles = _tiles(camera)
-    reaches = np.empty(len(objects), raytiles.REACH)
-    raytiles.reach_objects(camera, objects, reaches)
-    seen = (reaches["left"] <= reaches["right"]) & (reaches["top"] <= reaches["bottom"])
-    order = np.argsort(-reaches["nearest"], kind="stable")
-    for chosen in _batches(order[seen[order]], objects):
-        members, corners, grown = _batch(chosen, objects, reaches)
-        raytiles.lay_out(camera, objects, vertices, triangles, nodes, members, corners, grown, tiles)
-        raytiles.cast_batch(camera, objects, planes, triangles, nodes, members, corners, grown, tiles, work)
-    raytiles.read_out(camera, tiles, face, depth)
-    if work is not None:
-        work[0, rays.RAYS] = face.size
-
-
-def _tiles(camera: rays.Camera) -> Array:
-    """Return tiles (rows, columns) that show nothing; samples beyond the image hide everything."""
-    side = raytiles.SIDE
-    tiles = np.empty((-(-camera.height // side), -(-camera.width // side)), raytiles.TILE)
-    tiles["nearness"], tiles["floor"], tiles["face"] = camera.farthest, camera.farthest, rays.NO_OWNER
-    if camera.width % side:
-        tiles["nearness"][:, -1, :, camera.width % side :] = np.inf
-    if camera.height % side:
-        tiles["nearness"][-1, :, camera.height % side :, :] = np.inf
-    return tiles
-
-
-def _batches(order: Array, objects: Array) -> Iterator[Array]:
-    """Cut the objects into runs of at most ``BATCH`` triangles, or of one object."""
-    start, triangles = 0, 0
-    for end, size in enumerate(_sizes(objects, order, "start", "end")):
-        if end > start and triangles + size > BATCH:
-            yield order[start:end]
-            start, triangles = end, 0
-        triangles += size
-    yield order[start:]
-
-
-def _sizes(objects: Array, chosen: Array, start: str, end: str) -> Array:
-    """Return how many vertices, nodes or triangles each chosen object has; generic ones none."""
-    is_mesh = objects["kind"][chosen] == Kind.MESH
-    return np.asarray(np.where(is_mesh, objects[end][chosen] - objects[start][chosen], 0))
-
-
-def _batch(chosen: Array, objects: Array, reaches: Array) -> tuple[Array, Floats, Array]:
-    """Return the members of a batch, room for its corners, and the reaches with room for its own."""
-    members = np.zeros(len(chosen), raytiles.MEMBER)
-    members["object"] = chosen
-    sizes = _sizes(objects, chosen, "vertex_start", "vertex_end")
-    members["to_corner"] = np.cumsum(sizes) - sizes - objects["vertex_start"][chosen]
-    corners = np.empty((sizes.sum(), 4))
-    used = len(reaches)
-    for name, start, end in (("to_node", "root", "root_end"), ("to_triangle", "start", "end")):
-        sizes = _sizes(objects, chosen, start, end)
-        members[name] = used + np.cumsum(sizes) - sizes - objects[start][chosen]
-        used += int(sizes.sum())
-    grown = np.empty(used, raytiles.REACH)
-    grown[: len(reaches)] = reaches
-    return members, corners, grown

@@ -152,7 +152,14 @@ BUILT_IN = (
         "hsr.algorithms.tiles",
         {"certified": False},
     ),
-    Method("raycast", "ray casting, coherent tiles of rays", "hsr.algorithms.raycast", {}, True),
+    Method("raycast", "ray casting, coherent tiles of rays, certified", "hsr.algorithms.raycast", {}, True),
+    Method(
+        "raycast-plain",
+        "the same without certification: rounding decides",
+        "hsr.algorithms.raycast",
+        {"certified": False},
+        True,
+    ),
     Method(
         "raycast-single",
         "ray casting, one ray at a time through extents and hierarchies",

@@ -1,7 +1,7 @@
 """The depth buffer, certified: half-space tests in float64, and what they leave in doubt decided exactly.
 
 The same contract as :mod:`hsr.algorithms.scanline`, by another kernel, several times faster. Vertices are
-projected, with bounds of their errors; clusters of triangles go through strips of the image, nearest first,
+projected, with bounds of their errors; clusters of triangles go through tiles of the image, nearest first,
 while those behind what is already there are left out (:mod:`hsr.kernels.tiles`). Every decision that rounding
 might turn is noted instead of taken, and taken afterwards in exact arithmetic
 (:mod:`hsr.algorithms.resolve`). So the face of every sample is the true one, ties included: that of
@@ -20,13 +20,14 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from hsr.algorithms.loose import loose_tables
+from hsr.algorithms.loose import loose_tables, loose_triangles
 from hsr.algorithms.resolve import resolve
 from hsr.arrays import Array, Floats, Ints
+from hsr.jit import one_by_one
 from hsr.kernels import doubts, halfspaces, hierarchy, tiles
 from hsr.kernels.bounds import nearness_of
 from hsr.kernels.halfspaces import BACK, CLUSTER, FRONT, LOOSE, Eye, U
-from hsr.kernels.projection import clip_rows
+from hsr.kernels.projection import clip_rows, to_clip
 from hsr.scene.shapes import Shape
 from hsr.viewing import View, WorldPolygons
 from hsr.visibility import Clock, VisibilityMap, depth_format
@@ -34,8 +35,8 @@ from hsr.visibility import Clock, VisibilityMap, depth_format
 TIE = 2.0**-36
 """Least error of a key depth, in which all that may be seen lies 0.75 apart, that counts as certain."""
 
-ROOM = 256
-"""Doubts of a strip for which there is room at first; a strip with more is drawn again."""
+ROOM = 64
+"""Doubts of a tile for which there is room at first; a tile with more is drawn again."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ def render(view: View, options: Options) -> VisibilityMap:
         elsewhere its inverse (under perspective; in a parallel view it itself) is within 2^-35 of the
         range of what is seen. ``seconds``: ``prepare`` puts the triangles into world space and in order,
         and makes room for the answer; ``render`` is all the rest. ``work``: ``triangles``,
-        ``clusters_drawn`` and ``clusters_hidden``, ``triangles_drawn``, each once for every strip of the
+        ``clusters_drawn`` and ``clusters_hidden``, ``triangles_drawn``, each once for every tile of the
         image, ``uncertain`` samples, which were decided exactly, and ``buffer_bytes``, those of the answer.
     """
     clock = Clock()
@@ -95,9 +96,8 @@ def render(view: View, options: Options) -> VisibilityMap:
         "uncertain": len(resolved.sample),
         "buffer_bytes": face.nbytes + depth.nbytes,
     }
-    return VisibilityMap(
-        face, depth, "zbuffer", work, clock.seconds, {"depth_format": _format(view, mesh, eye)}
-    )
+    notes = {"depth_format": format_of(view, len(mesh.corner), eye)}
+    return VisibilityMap(face, depth, "zbuffer", work, clock.seconds, notes)
 
 
 # ---------------------------------------------------------------- once a view
@@ -145,12 +145,13 @@ def mesh_of(view: View) -> Mesh:
 def clustered(view: View, chosen: Array, faces: Ints) -> Mesh:
     """Put some triangles (n,) of the fans in clusters; ``faces`` (all,) is what they shall show."""
     polygons = view.polygons
+    vertex, place = along_the_curve(polygons.vertices, polygons.vertices)
     low, high = hierarchy.boxes_of(polygons.vertices, polygons.triangle_vertex[chosen])
-    _, order = hierarchy.radix_sort(hierarchy.morton_codes(low, high))
+    order, _ = along_the_curve(low, high)
     number, first = chosen[order].astype(np.int32), np.arange(0, len(order), CLUSTER)
     return Mesh(
-        polygons.vertices,
-        polygons.triangle_vertex[number],
+        polygons.vertices[vertex],
+        place[polygons.triangle_vertex[number]],
         polygons.cull[polygons.triangle_polygon[number]],
         faces[number],
         number,
@@ -158,6 +159,14 @@ def clustered(view: View, chosen: Array, faces: Ints) -> Mesh:
         np.maximum.reduceat(high[order], first),
         world_slack(view),
     )
+
+
+def along_the_curve(low: Floats, high: Floats) -> tuple[Ints, Ints]:
+    """Return the order of boxes along a Morton curve, and the place of each in it: neighbours get close."""
+    _, order = hierarchy.radix_sort(hierarchy.morton_codes(low, high))
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order), dtype=order.dtype)
+    return order, place
 
 
 def world_slack(view: View) -> Floats:
@@ -193,18 +202,35 @@ def eye_of(view: View, mesh: Mesh) -> Eye:
     error = 16.0 * U * size + abs(rows[:, :3]) @ mesh.slack
     ends = np.stack([rows[2, :3] * low, rows[2, :3] * high])
     least, most = rows[2, 3] + ends.min(axis=0).sum(), rows[2, 3] + ends.max(axis=0).sum()
+    return eye_between(view, error, least, most)
 
-    # Spread key depths over what may be seen, but not over less than can be told apart.
+
+def eye_between(view: View, error: Floats, least: float, most: float) -> Eye:
+    """Measure a view of which all lies between two depths.
+
+    Parameters
+    ----------
+    view : View
+    error : (3,) float64
+        Bounds of the errors of clip coordinates (x, y, d).
+    least, most : float
+        The depths, in scene units.
+    """
     near, far = nearness_of(view.near, view.perspective), nearness_of(view.far, view.perspective)
     closest = min(max(least, view.near), view.far)
     front = nearness_of(closest, view.perspective)
     back = nearness_of(max(min(most, view.far), closest), view.perspective)
-    scale = (BACK - FRONT) / max(front - back, 2.0**-12 * max(abs(front), abs(back)), np.finfo(float).tiny)
     size_of_image = (float(view.width), float(view.height))
-    eye = Eye(view.perspective, *size_of_image, error[0], error[1], error[2], front, scale, 0.0, 0.0, 0.0)
-    tie = max(TIE, 4.0 * halfspaces.nearness_error(front, eye) * scale)
-    near_key, far_key = halfspaces.key_depth(near, eye), halfspaces.key_depth(far, eye)
-    return eye._replace(near=near_key, far=far_key, tie=min(tie, LOOSE))
+    eye = Eye(view.perspective, *size_of_image, error[0], error[1], error[2], front, 0.0, 0.0, 0.0, 0.0)
+
+    # Spread key depths over what may be seen, but not over less than can be told apart.
+    with np.errstate(over="ignore"):  # an infinite bound is a bound
+        slack = halfspaces.nearness_error(front, eye)
+    apart = max(front - back, 2.0**-12 * max(abs(front), abs(back)), slack, np.finfo(float).tiny)
+    eye = eye._replace(scale=(BACK - FRONT) / apart)
+    with np.errstate(over="ignore"):
+        near_key, far_key = halfspaces.key_depth(near, eye), halfspaces.key_depth(far, eye)
+    return eye._replace(near=near_key, far=far_key, tie=min(max(TIE, 4.0 * slack * eye.scale), LOOSE))
 
 
 def draw(
@@ -233,36 +259,40 @@ def draw(
     halfspaces.project(mesh.vertices, rows, eye, screen)
     extent = np.empty((len(mesh.low), 5))
     tiles.reach(mesh.low, mesh.high, rows, eye, extent)
-    listed, todo = tiles.deal(extent, np.argsort(extent[:, 4], kind="stable"), view.height)
-    loose = loose_tables(view, mesh.vertices, mesh.corner, mesh.number, screen, eye)
+    order, size = np.argsort(extent[:, 4], kind="stable"), (view.width, view.height)
+    listed, todo = tiles.deal(extent, order, size, (tiles.COLUMNS, tiles.LINES))
+    chosen = loose_triangles(screen, mesh.corner, eye)
+    clip = to_clip(mesh.vertices[mesh.corner[chosen].ravel()], rows).reshape(-1, 3, 3)
+    loose = loose_tables(view, clip, mesh.number[chosen], chosen, eye)
     prepared = (screen, mesh.corner, mesh.cull, mesh.faces)
 
     found, total, room = [np.empty(0, doubts.DOUBT)], np.zeros(tiles.COUNTS, np.int64), ROOM
     while len(todo):
         counts = np.zeros((len(todo), tiles.COUNTS), np.int64)
         noted = np.empty((len(todo), room), doubts.DOUBT) if certified else None
-        tiles.rasterise(prepared, extent, listed, todo, loose, eye, noted, counts, *answer)
+        with one_by_one():
+            tiles.rasterise(prepared, extent, listed, todo, loose, eye, noted, counts, *answer)
         used = counts[:, doubts.USED]
         if noted is not None:
             found += [noted[k, : used[k]] for k in np.flatnonzero(used <= room)]
         total += counts[used <= room].sum(axis=0)
-        # Settling a strip at most doubles its doubts.
+        # Settling a tile at most doubles its doubts.
         todo, room = todo[used > room], 2 * int(used.max())
     return np.concatenate(found), total
 
 
 def _number(mesh: Mesh, found: Array) -> Array:
     """Return which triangle each doubt is about."""
-    return (found["key"] & _number_bits(mesh)).astype(np.int64)
+    return np.asarray(found["key"] & number_bits(len(mesh.corner)))
 
 
-def _number_bits(mesh: Mesh) -> np.uint64:
-    """Return the bits of a key that are the number of a triangle."""
-    return ~np.uint64(doubts.depth_mask(len(mesh.corner)))
+def number_bits(count: int) -> int:
+    """Return the bits of a key that tell so many triangles apart."""
+    return int(doubts.EMPTY) - int(doubts.depth_mask(count))
 
 
-def _format(view: View, mesh: Mesh, eye: Eye) -> dict[str, Any]:
-    """Describe key depths as window depths, which fill the range from near to far."""
-    step = (float(_number_bits(mesh)) + 1.0) * 2.0**-64 / eye.scale
+def format_of(view: View, count: int, eye: Eye) -> dict[str, Any]:
+    """Describe the key depths of so many triangles as window depths, 0 at near and 1 at far."""
+    step = (number_bits(count) + 1.0) * 2.0**-63 / eye.scale
     whole = nearness_of(view.near, view.perspective) - nearness_of(view.far, view.perspective)
     return depth_format("window", step / whole, view.near, view.far, view.perspective)

@@ -5,6 +5,7 @@ Maps are compared by face id and by depth, never by colour: two faces may well b
 
 from __future__ import annotations
 
+import importlib
 import math
 from dataclasses import dataclass
 from enum import IntEnum
@@ -180,6 +181,12 @@ class Difference:
     def __str__(self) -> str:
         return self.summary()
 
+    def _repr_html_(self) -> str:
+        """Show the difference in a notebook."""
+        # By name: pages stand above differences, and nobody but a notebook asks for one.
+        html: str = importlib.import_module("hsr.report.notebook").difference_html(self)
+        return html
+
     def _headline(self) -> str:
         size = f"{self.a.width}x{self.a.height}"
         text = f"{self.a.method} vs {self.b.method}  {size}  {self.different} differ"
@@ -251,7 +258,8 @@ def compare(a: VisibilityMap, b: VisibilityMap, truth: VisibilityMap | None = No
     * *missing*: b shows a face and a the background;
     * *extra*: a shows a face and b the background;
     * *wrong face*: both show a face, and not the same;
-    * *depth only*: both show the same face, at depths further apart than rounding explains;
+    * *depth only*: both show the same face, at depths further apart than rounding explains; never
+      where one of the maps tells no depths;
     * *same*.
 
     Rounding explains this much. Let a map store depth as a number with spacing ``s`` between
@@ -288,7 +296,7 @@ def compare(a: VisibilityMap, b: VisibilityMap, truth: VisibilityMap | None = No
         a,
         b,
         classes,
-        _clusters(differs, classes, a.face, b.face),
+        find_clusters(differs, classes, a.face, b.face),
         _count_near(differs, a.face, b.face),
         depth,
         None if truth is None else _judge(differs, a.face, b.face, truth.face),
@@ -347,6 +355,8 @@ def _classify(a: VisibilityMap, b: VisibilityMap) -> tuple[Pixels, DepthError]:
     classes[in_a & in_b & (a.face != b.face)] = SampleClass.WRONG_FACE
     classes[(classes != SampleClass.SAME) & b.admits(a.face)] = SampleClass.TIE
 
+    if not (a.tells_depth and b.tells_depth):
+        return classes, DepthError(0, 0.0, 0.0, 0.0, None)
     agreed = np.flatnonzero(in_a & (a.face == b.face))
     depth_a, depth_b = a.depth.ravel()[agreed], b.depth.ravel()[agreed]
     with np.errstate(invalid="ignore"):  # a face at infinite depth: no number, so no gap
@@ -366,8 +376,23 @@ def _depth_error(gap: Floats, samples: Array, width: int) -> DepthError:
     return DepthError(len(gap), float(gap[worst]), float(gap.mean()), rms, (row, column))
 
 
-def _clusters(differs: Bools, classes: Pixels, shown: Ints, expected: Ints) -> tuple[Cluster, ...]:
-    """Find connected components over sides and corners: largest first, equal ones in reading order."""
+def find_clusters(differs: Bools, classes: Pixels, shown: Ints, expected: Ints) -> tuple[Cluster, ...]:
+    """Find the groups of samples that hang together, over sides or corners.
+
+    Parameters
+    ----------
+    differs : (H, W) bool
+        The samples to group.
+    classes : (H, W) uint8
+        A :class:`SampleClass` per sample.
+    shown, expected : (H, W) int32
+        Face ids of the map that is judged and of the reference.
+
+    Returns
+    -------
+    tuple of Cluster
+        Largest first, equal ones in reading order.
+    """
     labels, count = ndimage.label(differs, structure=np.ones((3, 3)))
     samples = np.flatnonzero(differs)
     label = labels.ravel()[samples] - 1

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -10,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from hsr.difference.cause import causes
+from hsr.difference.cause import Causes, causes
 from hsr.difference.models.llvmpipe import LLVMPIPE, Drawn, drawn_at
 from hsr.difference.models.stages import Cause
 from hsr.difference.sight import EDGE_ON, Layer, Sight, nearby, sight
@@ -28,6 +29,9 @@ SNAPPED = f"after snapping to 1/{1 << LLVMPIPE.subpixel_bits} pixel"
 
 MISSES_TOLD = 8
 """How many of the faces that just miss the sample the text names; JSON names all."""
+
+MISSED = "within a pixel, not covering:"
+"""Heads the faces that just miss the sample."""
 
 GONE = {"culled": "culled", "near": "clipped: in front of near", "far": "clipped: behind far"}
 
@@ -159,20 +163,34 @@ class History:
             "methods": [story.to_json() for story in self.stories],
         }
 
-    def __str__(self) -> str:
+    def parts(self) -> dict[str, Any]:
+        """Return the text in its parts, as JSON values.
+
+        Returns
+        -------
+        dict
+            ``headline``; ``faces`` that cover the sample, each with its ``line``, whether it is
+            ``admissible``, and its ``verdicts``: pairs of a verdict and the methods that gave it;
+            ``missed``, a line each; ``sentences``, one a method.
+        """
         met = [entry for entry in self.entries if entry.layer.covered]
         missed = [entry for entry in self.entries if not entry.layer.covered]
-        lines = [self._headline(), ""]
-        for entry in met:
-            lines += _told(entry, tie=entry.layer.face in self.admissible and len(self.admissible) > 1)
-        if missed:
-            lines += ["", "within a pixel, not covering:"]
-            lines += [
-                f"  {entry.name}  {entry.layer.facing}{_edges(entry)}" for entry in missed[:MISSES_TOLD]
-            ]
-            if len(missed) > MISSES_TOLD:
-                lines.append(f"  and {len(missed) - MISSES_TOLD} more")
-        return "\n".join([*lines, "", *(story.sentence for story in self.stories)])
+        more = [f"and {len(missed) - MISSES_TOLD} more"] if len(missed) > MISSES_TOLD else []
+        return {
+            "headline": self._headline(),
+            "faces": [self._told(entry) for entry in met],
+            "missed": [f"{x.name}  {x.layer.facing}{_edges(x)}" for x in missed[:MISSES_TOLD]] + more,
+            "sentences": [story.sentence for story in self.stories],
+        }
+
+    def __str__(self) -> str:
+        parts = self.parts()
+        lines = [parts["headline"], ""]
+        for face in parts["faces"]:
+            lines += [face["line"], *(f"    {verdict}: {methods}" for verdict, methods in face["verdicts"])]
+        if parts["missed"]:
+            lines += ["", MISSED, *(f"  {line}" for line in parts["missed"])]
+        return "\n".join([*lines, "", *parts["sentences"]])
 
     def _headline(self) -> str:
         width, height = self.size
@@ -180,19 +198,20 @@ class History:
         others = [name for name in self.admissible.values() if name != self.owner]
         return text + (f"; a tie with {', '.join(others)}" if others else "")
 
-
-def _told(entry: Entry, tie: bool) -> list[str]:
-    """Tell of a face that covers the sample: where it is, then what became of it."""
-    layer = entry.layer
-    depth, window = float(layer.depth or 0), float(entry.window or 0)
-    numbers = f"depth {depth:.9g}  window {window:.9g}"
-    if entry.quantised is not None:
-        numbers += f"  D24 {entry.quantised}"
-    lines = [f"{entry.name}  {layer.facing}  {numbers}{'  admissible' if tie else ''}{_edges(entry)}"]
-    for verdict in dict.fromkeys(entry.verdicts.values()):
-        methods = [method for method, given in entry.verdicts.items() if given == verdict]
-        lines.append(f"    {verdict}: {', '.join(methods)}")
-    return lines
+    def _told(self, entry: Entry) -> dict[str, Any]:
+        """Tell of a face that covers the sample: where it is, then what became of it."""
+        depth, window = float(entry.layer.depth or 0), float(entry.window or 0)
+        numbers = f"depth {depth:.9g}  window {window:.9g}"
+        if entry.quantised is not None:
+            numbers += f"  D24 {entry.quantised}"
+        admissible = entry.layer.face in self.admissible
+        tie = "  admissible" if admissible and len(self.admissible) > 1 else ""
+        line = f"{entry.name}  {entry.layer.facing}  {numbers}{tie}{_edges(entry)}"
+        methods: dict[str, list[str]] = {}
+        for method, verdict in entry.verdicts.items():
+            methods.setdefault(verdict, []).append(method)
+        verdicts = [[verdict, ", ".join(named)] for verdict, named in methods.items()]
+        return {"line": line, "admissible": admissible, "verdicts": verdicts}
 
 
 def _edges(entry: Entry) -> str:
@@ -203,7 +222,13 @@ def _edges(entry: Entry) -> str:
 # ---------------------------------------------------------------- telling a history
 
 
-def history(view: View, row: int, column: int, maps: Sequence[VisibilityMap]) -> History:
+def history(
+    view: View,
+    row: int,
+    column: int,
+    maps: Sequence[VisibilityMap],
+    known: Mapping[str, Causes] | None = None,
+) -> History:
     """Tell what lies on the line of sight of a sample, and what methods made of it.
 
     Parameters
@@ -213,6 +238,9 @@ def history(view: View, row: int, column: int, maps: Sequence[VisibilityMap]) ->
         Row 0 is the top row.
     maps : sequence of VisibilityMap
         Of this view, by the methods they name with their options as registered.
+    known : mapping of str to Causes, optional
+        Causes of all wrong samples, by method, where they have been found already; others are
+        looked for at this sample alone.
 
     Returns
     -------
@@ -229,7 +257,8 @@ def history(view: View, row: int, column: int, maps: Sequence[VisibilityMap]) ->
     for answer in maps:
         _check(view, answer)
     names = {layer.face: name_in(view.manifest, layer.face) for layer in seen.layers}
-    told = [_Telling(view, row, column, seen, answer) for answer in maps]
+    found = known or {}
+    told = [_Telling(view, row, column, seen, answer, found.get(answer.method)) for answer in maps]
     entries = [
         Entry(
             names[layer.face],
@@ -284,6 +313,7 @@ class _Telling:
     column: int
     sight: Sight
     answer: VisibilityMap
+    known: Causes | None
 
     @property
     def face(self) -> int:
@@ -325,6 +355,8 @@ class _Telling:
         shown = self.shown
         of_shown = self.depth if shown is None or shown.depth is None else shown.depth
         gap, name = float(depth - of_shown), self.name(self.face)
+        if math.isnan(gap):
+            return f"passed over for {name}, whose depth is not told"
         if gap == 0.0:
             return f"as deep as {name}"
         return (
@@ -334,11 +366,16 @@ class _Telling:
     def story(self) -> Story:
         """Say whether the method is right, and if not, why."""
         right = self.face in self.sight.admissible
-        cause = Cause.NONE if right else cause_of(self.view, self.row, self.column, self.sight, self.answer)
+        cause = Cause.NONE if right else self._cause()
         label = "" if right else cause.label
         sentence = self._right() if right else self._wrong(cause)
         method, name = self.answer.method, self.name(self.face)
         return Story(method, self.face, name, self.depth, right, label, sentence)
+
+    def _cause(self) -> Cause:
+        if self.known is not None:
+            return Cause(int(self.known.cause[self.row, self.column]))
+        return cause_of(self.view, self.row, self.column, self.sight, self.answer)
 
     def _right(self) -> str:
         tie = (

@@ -12,6 +12,7 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -158,6 +159,7 @@ def _order(layer: Layer) -> tuple[int, Fraction]:
 # ---------------------------------------------------------------- the faces near a sample
 
 
+@lru_cache(maxsize=1)  # the same sample is asked about several times in a row
 def nearby(view: View, row: int, column: int) -> tuple[View, Ints]:
     """Leave only the faces that come within a pixel of a sample, and perhaps a few more.
 

@@ -1,8 +1,8 @@
 """Depth buffers of keys, and what they leave in doubt.
 
-Depth and owner of a sample share one 64-bit integer, the *key*: depth in the upper bits, the number of the
-triangle in the lower ones. The nearest triangle has the least key, and one minimum does the depth test and
-both writes. Sixteen samples of a scan line are tested at once.
+Depth and owner of a sample share one integer of 63 bits, the *key*: depth in the upper bits, the number of
+the triangle in the lower ones. The nearest triangle has the least key, and one minimum does the depth test
+and both writes. Sixteen samples of a scan line are tested at once.
 
 What float64 cannot decide is not decided here. Only certain coverage enters the keys. A sample on an edge,
 within the error of the edge functions, or two depths within their error, is a *doubt*: every triangle that
@@ -46,20 +46,19 @@ from hsr.kernels.halfspaces import (
     Z,
 )
 
-EMPTY = np.uint64(2**64 - 1)
+EMPTY = np.int64(2**63 - 1)
 """The key of a sample that no triangle owns."""
 
-MANTISSA = 52
-"""Bits of a float64 after the binary point; key depths, shifted by the others to the top, order like
-depth."""
+SHIFT = np.int64(11)
+"""By how much the 52 bits after the binary point of a key depth are shifted, to be the upper ones of 63."""
 
-ONE = np.float64(1.0).view(np.uint64)
+ONE = np.float64(1.0).view(np.int64)
 """Sign and exponent of every key depth."""
 
 WIDE = 3 * LANES
 """From this width on, the samples of a scan line that a triangle can cover are worked out first."""
 
-DOUBT = np.dtype([("sample", np.int64), ("key", np.uint64), ("sure", np.bool_)])
+DOUBT = np.dtype([("sample", np.int64), ("key", np.int64), ("sure", np.bool_)])
 """A triangle that may own a sample, by its key; whether it certainly covers it."""
 
 USED, TRIANGLES = 0, 1
@@ -69,6 +68,9 @@ Row = tuple[float, float, float, float, float, float, float, float]
 """A triangle on a scan line: three edge functions and the key depth at the first sample of its bounding box,
 each with its growth from sample to sample."""
 
+Box = tuple[int, int, int, int]
+"""First and end line, first and end column of some samples of a window."""
+
 Limits = tuple[float, float, float]
 """Key depths of near and far, and what makes their errors those of an edge function."""
 
@@ -76,7 +78,7 @@ Limits = tuple[float, float, float]
 class Window(NamedTuple):
     """A part of the image, and how its keys are made.
 
-    Its keys are (lines, columns + LANES) uint64; those beyond the last column are not used.
+    Its keys are (lines, columns + LANES) int64; those beyond the last column are not used.
 
     Attributes
     ----------
@@ -84,47 +86,47 @@ class Window(NamedTuple):
         Its first in the image.
     width : int
         Columns of the image.
-    mask : uint64
+    mask : int
         The bits of a key that are depth.
-    gap : uint64
+    gap : int
         By how much keys differ at most whose depths may be equal.
     """
 
     line: int
     column: int
     width: int
-    mask: np.uint64
-    gap: np.uint64
+    mask: int
+    gap: int
 
 
 # ---------------------------------------------------------------- keys
 
 
 @jit
-def depth_mask(triangles: int) -> np.uint64:
+def depth_mask(triangles: int) -> int:
     """Return the bits of a key that are depth; the others tell so many triangles apart."""
-    bits = 64 - MANTISSA
+    bits = SHIFT
     while triangles >> bits > 0:
         bits += 1
-    return EMPTY << np.uint64(bits)
+    return int((EMPTY >> np.int64(bits)) << np.int64(bits))
 
 
 @jit
-def key_of(z: float, mask: np.uint64, number: np.uint64) -> np.uint64:
+def key_of(z: float, mask: int, number: int) -> int:
     """Return the key of a triangle at a key depth within [1, 2)."""
-    return ((np.float64(z).view(np.uint64) << np.uint64(64 - MANTISSA)) & mask) | number
+    return int(((np.float64(z).view(np.int64) << SHIFT) & mask) | number)
 
 
 @jit
-def depth_of(key: np.uint64) -> float:
+def depth_of(key: int) -> float:
     """Return the key depth of a key."""
-    return np.uint64((key >> np.uint64(64 - MANTISSA)) | ONE).view(np.float64)
+    return np.int64((key >> SHIFT) | ONE).view(np.float64)
 
 
 @jit
-def gap_of(mask: np.uint64, tie: float) -> np.uint64:
+def gap_of(mask: int, tie: float) -> int:
     """Return by how much keys differ at most whose depths, each within ``tie``, may be equal."""
-    return np.uint64(tie * 2.0**65) + ~mask + np.uint64(1)
+    return int(tie * 2.0**64) + int(EMPTY - mask) + 1
 
 
 # ---------------------------------------------------------------- drawing
@@ -153,7 +155,7 @@ def fill(
     table : (TABLE,) float64
     i : int
         Its place in the table.
-    keys : (lines, columns + LANES) uint64
+    keys : (lines, columns + LANES) int64
     window : Window
     limits : Limits or None
         Of its depth, if it may be cut.
@@ -170,8 +172,8 @@ def fill(
     bound = 0.0 if certify is None else table[BOUND + i]
     mask, gap, number = (
         window.mask,
-        np.uint64(0) if certify is None else window.gap,
-        np.uint64(table[NUMBER + i]),
+        np.int64(0) if certify is None else window.gap,
+        int(table[NUMBER + i]),
     )
     doubtful = False
     for line in range(max(top, window.line), min(int(table[BOTTOM + i]), window.line + len(keys))):
@@ -186,10 +188,11 @@ def fill(
                 key = key_of(z, mask, number)
                 place = np.uintp(start - window.column + lane)
                 old = here[place]
-                inside, apart = inner >= bound, max(key, old) - min(key, old)
-                here[place] = key if inside & (key < old) & (apart > gap) else old
+                inside, nearer_by = inner >= bound, old - key
+                here[place] = key if inside & (nearer_by > gap) else old
                 if certify is not None:
-                    doubtful |= (abs(inner) < bound) | (inside & (apart <= gap))
+                    beside = (inner > -bound) & (inner < bound)
+                    doubtful |= beside | (inside & (nearer_by <= gap) & (nearer_by >= -gap))
     return doubtful
 
 
@@ -252,7 +255,7 @@ def note(
     """Write down the doubts of a triangle that has just been taken into the keys."""
     left, top, bound = int(table[LEFT + i]), int(table[TOP + i]), table[BOUND + i]
     begin, end = columns_of(table, i, keys, window)
-    gap, number = window.gap, np.uint64(table[NUMBER + i])
+    gap, number = window.gap, int(table[NUMBER + i])
     for line in range(max(top, window.line), min(int(table[BOTTOM + i]), window.line + len(keys))):
         row = row_of(table, i, float(line - top))
         for column in range(begin, end):
@@ -262,7 +265,7 @@ def note(
             if abs(inner) < bound:
                 if not is_hidden(key, old, gap):
                     write(doubts, counts, sample, key, False)
-            elif inner >= bound and key != old and max(key, old) - min(key, old) <= gap:
+            elif inner >= bound and key != old and abs(old - key) <= gap:
                 write(doubts, counts, sample, key, True)
                 write(doubts, counts, sample, old, True)
 
@@ -275,7 +278,7 @@ def suspect(table: Floats, i: int, keys: Array, window: Window, doubts: Array, c
     """
     left, top, bound = int(table[LEFT + i]), int(table[TOP + i]), table[BOUND + i]
     begin, end = columns_of(table, i, keys, window)
-    key = key_of(max(table[NEAREST + i], 1.0), window.mask, np.uint64(table[NUMBER + i]))
+    key = key_of(max(table[NEAREST + i], 1.0), window.mask, int(table[NUMBER + i]))
     for line in range(max(top, window.line), min(int(table[BOTTOM + i]), window.line + len(keys))):
         row = row_of(table, i, float(line - top))
         for column in range(begin, end):
@@ -287,13 +290,38 @@ def suspect(table: Floats, i: int, keys: Array, window: Window, doubts: Array, c
 
 
 @jit
-def is_hidden(key: np.uint64, old: np.uint64, gap: np.uint64) -> bool:
-    """Whether a key is certainly farther than what is there."""
-    return bool(old != EMPTY and key > old + gap)
+def take(
+    key: int, line: int, column: int, keys: Array, window: Window, doubts: Array | None, counts: Array
+) -> None:
+    """Take one certain hit into the keys of a window, and write it down if it is not certainly nearer.
+
+    Parameters
+    ----------
+    key : int
+    line, column : int
+        The sample, in the image.
+    keys : (lines, columns + LANES) int64
+    window : Window
+    doubts : (room,) DOUBT or None
+    counts : (COUNTS,) int64
+    """
+    row, place = line - window.line, column - window.column
+    old, gap = keys[row, place], 0 if doubts is None else window.gap
+    if old - key > gap:
+        keys[row, place] = key
+    elif doubts is not None and key != old and old - key >= -gap:
+        write(doubts, counts, line * window.width + column, key, True)
+        write(doubts, counts, line * window.width + column, old, True)
 
 
 @jit
-def write(doubts: Array, counts: Array, sample: int, key: np.uint64, sure: bool) -> None:
+def is_hidden(key: int, old: int, gap: int) -> bool:
+    """Whether a key is certainly farther than what is there."""
+    return bool(key - old > gap)
+
+
+@jit
+def write(doubts: Array, counts: Array, sample: int, key: int, sure: bool) -> None:
     """Write down one doubt, if there is room."""
     if counts[USED] < len(doubts):
         doubt = doubts[counts[USED]]
@@ -327,13 +355,17 @@ def settle(keys: Array, window: Window, doubts: Array, counts: Array) -> None:
 
 
 @jit
-def read_out(keys: Array, window: Window, faces: Array, eye: Eye, face: Array, depth: Floats) -> None:
-    """Split the keys of a window into faces and depths.
+def read_out(
+    keys: Array, window: Window, box: Box, faces: Array, eye: Eye, face: Array, depth: Floats
+) -> None:
+    """Split the keys of a box of samples into faces and depths.
 
     Parameters
     ----------
-    keys : (lines, columns + LANES) uint64
+    keys : (lines, columns + LANES) int64
     window : Window
+    box : (first line, end line, first column, end column)
+        In the window.
     faces : (n,) int32
         Face of each triangle.
     eye : Eye
@@ -342,14 +374,25 @@ def read_out(keys: Array, window: Window, faces: Array, eye: Eye, face: Array, d
         Of the image.
     """
     # Depths were cut off below the bits of the mask: on average by half a step.
-    step, half = 1.0 / eye.scale, 0.5 * (depth_of(~window.mask) - 1.0)
-    for row in range(len(keys)):
-        for i in range(keys.shape[1] - LANES):
-            key = keys[row, i]
+    step, half = 1.0 / eye.scale, 0.5 * (depth_of(int(EMPTY - window.mask)) - 1.0)
+    first, end, left = np.uintp(box[2]), np.uintp(box[3]), np.uintp(window.column)
+    for line in range(box[0], box[1]):
+        here, faces_here, depths_here = keys[line], face[window.line + line], depth[window.line + line]
+        for column in range(first, end):
+            key = here[column]
             nearness = eye.front - (depth_of(key & window.mask) + half - FRONT) * step
             seen = 1.0 / nearness if eye.perspective else -nearness
-            depth[window.line + row, window.column + i] = seen if key != EMPTY else np.inf
-        for i in range(keys.shape[1] - LANES):
-            key = keys[row, i]
-            owner = faces[np.int64(key & ~window.mask)] if key != EMPTY else np.int32(-1)
-            face[window.line + row, window.column + i] = owner
+            depths_here[left + column] = seen if key != EMPTY else np.inf
+        for column in range(first, end):
+            key = here[column]
+            owner = faces[np.uintp(key & ~window.mask)] if key != EMPTY else np.int32(-1)
+            faces_here[left + column] = owner
+
+
+@jit
+def clear(window: Window, box: Box, face: Array, depth: Floats) -> None:
+    """Show the background at a box of samples."""
+    left, right = window.column + box[2], window.column + box[3]
+    for line in range(window.line + box[0], window.line + box[1]):
+        face[line, left:right] = -1
+        depth[line, left:right] = np.inf

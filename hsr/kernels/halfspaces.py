@@ -38,7 +38,7 @@ the true x and y may be away: ``ANYWHERE`` for a vertex at or behind the eye."""
 ANYWHERE = 2.0**99
 """An error beyond all images."""
 
-CLUSTER = 64
+CLUSTER = 32
 """Triangles in a table, set up side by side. Its parts follow each other, CLUSTER numbers each, in one array
 of one dimension: so the compiler knows them apart."""
 
@@ -55,7 +55,7 @@ LEFT, RIGHT, TOP, BOTTOM, CUT, NUMBER = range(16 * CLUSTER, 22 * CLUSTER, CLUSTE
 """The first column and row that a triangle may cover, and those after the last (no rows if it is left out);
 whether the near or the far plane may cut it; its number."""
 
-GATHERED = 22 * CLUSTER
+GATHERED, CULL = 22 * CLUSTER, 34 * CLUSTER
 """Where the corners gathered for the set-up begin: 12 parts, X to ERROR of each; then what is culled."""
 
 TABLE = 35 * CLUSTER
@@ -168,8 +168,8 @@ def samples_between(least: float, most: float, error: float, count: float) -> tu
 
 
 @jit
-def set_up(screen: Floats, corner: Ints, cull: Array, first: int, eye: Eye, table: Floats) -> int:
-    """Set up at most CLUSTER triangles side by side; without branches, to become vector code.
+def gather(screen: Floats, corner: Ints, cull: Array, first: int, table: Floats) -> int:
+    """Gather at most CLUSTER triangles into a table.
 
     Parameters
     ----------
@@ -179,17 +179,38 @@ def set_up(screen: Floats, corner: Ints, cull: Array, first: int, eye: Eye, tabl
     cull : (n,) int8
         What not to draw: 0 nothing, 1 back faces, 2 front faces.
     first : int
-        Number of the first triangle to set up.
-    eye : Eye
+        Number of the first triangle to gather.
     table : (TABLE,) float64
-        Receives the triangles. Left out is what is culled, beyond near or far, beside the image, and what
-        has a corner that is not certain within ``LOOSE``. Where AREA is not above BOUND, a triangle may be
-        edge-on, or turned the other way; such are not culled.
+        Receives their corners, what they cull, and their numbers.
 
     Returns
     -------
     int
         How many there are.
+    """
+    n = np.uintp(min(len(corner) - first, CLUSTER))
+    for i in range(n):
+        triangle = first + np.int64(i)
+        for k in range(3):
+            for part in range(4):
+                table[GATHERED + (4 * k + part) * CLUSTER + i] = screen[corner[triangle, k], part]
+        table[CULL + i], table[NUMBER + i] = cull[triangle], triangle
+    return int(n)
+
+
+@jit
+def set_up(table: Floats, count: int, eye: Eye) -> None:
+    """Set up the gathered triangles of a table side by side; without branches, to become vector code.
+
+    Parameters
+    ----------
+    table : (TABLE,) float64
+        Receives the other parts. Left out is what is culled, beyond near or far, beside the image, and what
+        has a corner that is not certain within ``LOOSE``. Where AREA is not above BOUND, a triangle may be
+        edge-on, or turned the other way; such are not culled.
+    count : int
+        How many triangles there are.
+    eye : Eye
 
     Notes
     -----
@@ -203,16 +224,7 @@ def set_up(screen: Floats, corner: Ints, cull: Array, first: int, eye: Eye, tabl
     Rounding changes the area by at most 4 u w h, and z_x, z_y by that relative to the area, and as much again
     for the numerators, products of h or w and a difference of depths, which is at most w |z_x| + h |z_y|.
     """
-    n = np.uintp(min(len(corner) - first, CLUSTER))
-    for i in range(n):
-        triangle = first + np.int64(i)
-        for k in range(3):
-            for part in range(4):
-                table[GATHERED + (4 * k + part) * CLUSTER + i] = screen[corner[triangle, k], part]
-        table[GATHERED + 12 * CLUSTER + i] = cull[triangle]
-        table[NUMBER + i] = triangle
-
-    for i in range(n):
+    for i in range(np.uintp(count)):
         ax, ay = table[GATHERED + i], table[GATHERED + CLUSTER + i]
         az, a_error = table[GATHERED + 2 * CLUSTER + i], table[GATHERED + 3 * CLUSTER + i]
         bx, by = table[GATHERED + 4 * CLUSTER + i], table[GATHERED + 5 * CLUSTER + i]
@@ -258,8 +270,7 @@ def set_up(screen: Floats, corner: Ints, cull: Array, first: int, eye: Eye, tabl
         least_z, most_z = key_depth(nearest, eye) - slack, key_depth(farthest, eye) + slack
         table[NEAREST + i] = least_z
         table[CUT + i] = 1.0 if (least_z < eye.near) | (most_z > eye.far) else 0.0
-        culled = (table[GATHERED + 12 * CLUSTER + i] == (2.0 if area < 0.0 else 1.0)) & (abs(area) > bound)
+        culled = (table[CULL + i] == (2.0 if area < 0.0 else 1.0)) & (abs(area) > bound)
         shown = (t <= LOOSE) & (least_z <= eye.far) & (most_z >= eye.near) & (left < right)
         table[LEFT + i], table[RIGHT + i], table[TOP + i] = left, right, top
         table[BOTTOM + i] = bottom if shown & ~culled else top
-    return int(n)

@@ -11,10 +11,10 @@ from __future__ import annotations
 import numpy as np
 
 from hsr.arrays import Array, Floats, Ints
-from hsr.jit import jit
+from hsr.jit import jit, parallel_jit, prange
 
 LEAF = 8
-"""Most boxes in one leaf."""
+"""Most boxes in one leaf of the hierarchies for single rays."""
 
 INNER = -1
 """The ``count`` of a node that is no leaf."""
@@ -56,9 +56,63 @@ def build(low: Floats, high: Floats, nodes: Array) -> tuple[Ints, int]:
         Number of nodes.
     """
     code, order = radix_sort(morton_codes(low, high))
-    used = split(code, nodes)
+    used = split(code, LEAF, nodes["first"], nodes["count"])
     fit(low, high, order, nodes[:used])
     return order, used
+
+
+def tree_of(vertices: Floats, corner: Ints, box: Floats, leaf: int) -> tuple[Ints, Ints]:
+    """Build the tree of a hierarchy over triangles, without boxes of its nodes.
+
+    Parameters
+    ----------
+    vertices : (V, 3) float64
+    corner : (n, 3) int32
+    box : (2, 3) float64
+        Opposite corners of the box around the vertices.
+    leaf : int
+        Most triangles in one leaf.
+
+    Returns
+    -------
+    order : (n,) int32
+        The triangles in the order of the leaves.
+    tree : (N, 2) int32
+        ``first`` and ``count`` of each node, see :data:`NODE`.
+    """
+    code = np.empty(len(corner), np.uint32)
+    _code_triangles(vertices, corner, box, code)
+    code, order = radix_sort(code)
+    tree = np.empty((2 * len(code), 2), np.int32)
+    used = split(code, leaf, tree[:, 0], tree[:, 1])
+    return order, tree[:used]
+
+
+@parallel_jit
+def _code_triangles(vertices: Floats, corner: Ints, box: Floats, code: Array) -> None:
+    """Find the Morton codes of the centres of the boxes around triangles, in the cube around all of them."""
+    cell = np.empty(3)
+    for axis in range(3):
+        cell[axis] = cells_in(2.0 * (box[1, axis] - box[0, axis]))
+    for i in prange(len(corner)):
+        mixed = np.uint32(0)
+        for axis in range(3):
+            a, b, c = vertices[corner[i, 0], axis], vertices[corner[i, 1], axis], vertices[corner[i, 2], axis]
+            centre = min(a, b, c) + max(a, b, c)
+            mixed |= code_of((centre - 2.0 * box[0, axis]) * cell[axis]) << np.uint32(axis)
+        code[i] = mixed
+
+
+@jit
+def box_of(vertices: Floats) -> Floats:
+    """Return the opposite corners (2, 3) of the box around points (V, 3)."""
+    box = np.empty((2, 3))
+    box[0], box[1] = np.inf, -np.inf
+    for i in range(len(vertices)):
+        for axis in range(3):
+            box[0, axis] = min(box[0, axis], vertices[i, axis])
+            box[1, axis] = max(box[1, axis], vertices[i, axis])
+    return box
 
 
 @jit
@@ -87,17 +141,27 @@ def morton_codes(low: Floats, high: Floats) -> Array:
         for i in range(n):
             centre = low[i, axis] + high[i, axis]
             least, most = min(least, centre), max(most, centre)
-        start[axis] = least
-        cell[axis] = CELLS / (most - least) if most > least else 0.0
+        start[axis], cell[axis] = least, cells_in(most - least)
 
     code = np.empty(n, np.uint32)
     for i in range(n):
         mixed = np.uint32(0)
         for axis in range(3):
-            place = (low[i, axis] + high[i, axis] - start[axis]) * cell[axis]
-            mixed |= spread(np.uint32(min(place, CELLS - 1.0))) << np.uint32(axis)
+            mixed |= code_of((low[i, axis] + high[i, axis] - start[axis]) * cell[axis]) << np.uint32(axis)
         code[i] = mixed
     return code
+
+
+@jit
+def cells_in(length: float) -> float:
+    """Return how many cells of the curve there are to a unit, if so long a range has all."""
+    return CELLS / length if length > 0.0 else 0.0
+
+
+@jit
+def code_of(place: float) -> np.uint32:
+    """Return every third bit of the Morton code of a place along an axis, counted in cells."""
+    return spread(np.uint32(min(place, CELLS - 1.0)))
 
 
 @jit
@@ -139,19 +203,31 @@ def radix_sort(code: Array) -> tuple[Array, Ints]:
 
 
 @jit
-def split(code: Array, nodes: Array) -> int:
-    """Cut the sorted codes into a tree: ``first`` and ``count`` of its nodes; return their number."""
+def split(code: Array, leaf: int, first: Ints, count: Ints) -> int:
+    """Cut sorted codes into a tree with at most ``leaf`` of them in one leaf.
+
+    Parameters
+    ----------
+    code : (n,) uint32, ascending
+    leaf : int
+    first, count : (2 n,) int32
+        Receive those fields of the nodes, see :data:`NODE`.
+
+    Returns
+    -------
+    int
+        Number of nodes.
+    """
     pending = np.empty((STACK, 3), np.int64)
     pending[0] = 0, 0, len(code)
     used, waiting = 1, 1
     while waiting > 0:
         waiting -= 1
-        node = nodes[pending[waiting, 0]]
-        start, end = pending[waiting, 1], pending[waiting, 2]
-        if end - start <= LEAF:
-            node["first"], node["count"] = start, end - start
+        node, start, end = pending[waiting, 0], pending[waiting, 1], pending[waiting, 2]
+        if end - start <= leaf:
+            first[node], count[node] = start, end - start
             continue
-        node["first"], node["count"] = used, INNER
+        first[node], count[node] = used, INNER
         middle = parting(code, start, end)
         pending[waiting] = used + 1, middle, end
         pending[waiting + 1] = used, start, middle

@@ -1,418 +1,367 @@
-"""Coherent rays: tiles of 16 x 16 samples go through the hierarchies together.
+"""Coherent rays: the image is cut into tiles, and the rays of a tile go through the hierarchies together.
 
-A tile's rays share their way down a hierarchy. For that the hierarchy is refitted to the screen: each
-node gets the rectangle of samples it can reach and the greatest nearness it can have (bottom-up, as
-in Wald, Boulos and Shirley, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume
-Hierarchies", 2007). A node is passed by if its rectangle misses the tile, or if the whole tile
-already shows something nearer. What is left in the leaves is tested row by row of the tile.
+A tile's rays share their way down a hierarchy. For that the hierarchy is refitted to the screen: each node
+gets the rectangle of samples that it may cover and the least key depth that it may have (bottom-up, as in
+Wald, Boulos & Shirley, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume Hierarchies", ACM
+Transactions on Graphics 26(1), 2007). A node is passed by if its rectangle misses the tile, or if it is
+behind all that the tile shows there, cell by cell. In the leaves a ray meets a triangle where its sample is
+inside the projected edges; those tests, and what they leave in doubt, are those of the depth buffer
+(:mod:`hsr.kernels.halfspaces`, :mod:`hsr.kernels.doubts`). Spheres and cylinders are met by each ray itself
+(:mod:`hsr.kernels.curved`).
 
-Objects are laid out on the screen in batches, nearest first, and forgotten afterwards, so that memory
-does not grow with the number of instances. The tests themselves are those of ``rays``.
+Objects are laid out on the screen in batches, nearest first, and forgotten afterwards, so that this memory
+does not grow with the number of instances. Tiles are shared out among threads; neither that nor the order of
+what they meet leaves a trace.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from hsr.arrays import Array, Floats, Ints
 from hsr.jit import jit, parallel_jit, prange
-from hsr.kernels.bounds import Corner, Reach, corner_of, reach_box, reach_triangle, samples_of
-from hsr.kernels.facets import Facet, covered_nearness, facet_of, row_of
+from hsr.kernels.curved import cast_into_quadric
+from hsr.kernels.doubts import Window, read_out
+from hsr.kernels.halfspaces import (
+    CLUSTER,
+    CULL,
+    ERROR,
+    GATHERED,
+    LOOSE,
+    NEARNESS,
+    NUMBER,
+    TABLE,
+    Eye,
+    X,
+    Y,
+    key_depth,
+    nearness_error,
+    projected,
+    samples_between,
+    set_up,
+)
 from hsr.kernels.hierarchy import INNER, STACK
-from hsr.kernels.rays import (
-    EXTENT_TESTS,
-    FACE_TESTS,
-    MESH,
-    NODES,
-    Best,
-    Camera,
-    answer_of,
-    better,
-    counted,
-    generic_hit,
-    tally,
-)
+from hsr.kernels.tiles import CELL, cells_of, draw_table, farthest_in, is_hidden, reach_box
 
-SIDE = 16
-"""Samples along each side of a tile: two vectors of eight float64."""
+SIDE = 64
+"""Samples along each side of a tile."""
 
-SHARES = 16
-"""Shares of the image for the threads; share s has the tile rows s, s + SHARES, ..."""
+CELLS = SIDE // CELL
+"""Cells along each side of a tile."""
 
-NONE = 32767
-"""More than any column or row: images are at most 2^14 samples wide and high."""
+NODES, EXTENTS = 2, 3
+"""Columns of the counts of a tile, after those of its window: nodes visited, and objects looked at."""
 
-TILE = np.dtype(
-    [
-        ("nearness", np.float64, (SIDE, SIDE)),
-        ("face", np.int64, (SIDE, SIDE)),
-        ("column", np.float64, SIDE),
-        ("floor", np.float64),
-    ]
-)
-"""The nearest hits of a tile so far; the least nearness of each column, and of all: what is less near
-than the floor is hidden."""
+COUNTS = 4
 
-REACH = np.dtype(
-    [
-        ("left", np.int16),
-        ("right", np.int16),
-        ("top", np.int16),
-        ("bottom", np.int16),
-        ("nearest", np.float64),
-    ]
-)
-"""First and last column, first and last row that something can reach (first > last where there is
-nothing), and its greatest nearness."""
+NO_QUADRIC = -1
 
 MEMBER = np.dtype(
-    [("object", np.int64), ("to_corner", np.int64), ("to_node", np.int64), ("to_triangle", np.int64)]
+    [
+        ("object", np.int64),
+        ("cull", np.int64),
+        ("piece", np.int64),
+        ("quadric", np.int64),
+        ("vertex", np.int64),
+        ("triangle", np.int64),
+        ("node", np.int64),
+        ("vertices", np.int64),
+        ("triangles", np.int64),
+        ("nodes", np.int64),
+        ("to_screen", np.int64),
+        ("to_extent", np.int64),
+    ]
 )
-"""An object of a batch, and what to add to the row of a vertex to find its projected corner, to that of
-a node or triangle to find its reach."""
+"""An object of a batch.
+
+object : its index.
+piece : number of its first piece.
+quadric : row of a sphere or cylinder among the quadrics, ``NO_QUADRIC`` for a mesh.
+vertex, triangle, node : where the vertices, triangles and nodes of its mesh begin.
+vertices, triangles, nodes : how many it has.
+to_screen, to_extent : where its projected vertices, and the extents of its nodes, begin.
+"""
+
+SHARE = np.dtype([("member", np.int64), ("start", np.int64), ("end", np.int64)])
+"""Some vertices or nodes of a member, counted from its first."""
+
+Shapes = tuple[Floats, Ints, Ints, Ints]
+"""Of all meshes: vertices (V, 3), object space; corners (n, 3) and numbers among the fans (n,) of the
+triangles, in the order of the leaves; ``first`` and ``count`` (N, 2) of the nodes. Each counts from the start
+of its own mesh."""
+
+Tiles = tuple[Array, Floats, Ints, Ints, Floats]
+"""Keys (rows, columns, SIDE, SIDE + LANES) int64 of the tiles, and the farthest key depth of each of their
+cells (rows, columns, CELLS, CELLS); the face of each piece, and the image: face and depth (H, W)."""
+
+Laid = tuple[Array, Floats, Floats, Floats]
+"""A batch: members (m,) MEMBER, nearest first, and their extents (m, 5): first and end column, first and end
+line, and a bound of the least key depth; projected vertices (v, 4), see ``halfspaces.project``; the extents
+(e, 5) of nodes."""
 
 
 # ---------------------------------------------------------------- laying out
 
 
 @jit
-def note_reach(noted: Any, reach: Reach, camera: Camera) -> None:
-    """Write down the samples within a reach, and its greatest nearness."""
-    noted["left"], noted["right"] = samples_of(reach.left, reach.right, camera.width)
-    noted["top"], noted["bottom"] = samples_of(reach.top, reach.bottom, camera.height)
-    noted["nearest"] = reach.nearest
+def reach_objects(box: Floats, rows: Floats, eye: Eye, extent: Floats) -> None:
+    """Find the samples that objects may cover, and how near they come.
+
+    Parameters
+    ----------
+    box : (n, 2, 3) float64
+        Opposite corners of the boxes around them, object space.
+    rows : (n, 3, 4) float64
+        From there to clip space (x, y, d).
+    eye : Eye
+    extent : (n, 5) float64
+        Receives first and end column, first and end line, and a bound of the least key depth.
+    """
+    for k in range(len(box)):
+        left, right, top, bottom, nearest = reach_box(box[k, 0], box[k, 1], rows[k], eye)
+        extent[k, 0], extent[k, 1], extent[k, 2], extent[k, 3] = left, right, top, bottom
+        extent[k, 4] = nearest
 
 
 @jit
-def reach_objects(camera: Camera, objects: Array, reaches: Array) -> None:
-    """Find the reach of every object's extent."""
-    for k in range(len(reaches)):
-        thing = objects[k]
-        low, high, margin = thing["low"], thing["high"], thing["margin"]
-        start = (low[0] - margin[0], low[1] - margin[1], low[2] - margin[2])
-        end = (high[0] + margin[0], high[1] + margin[1], high[2] + margin[2])
-        reach = reach_box(thing["screen"], start, end, camera.perspective, camera.near)
-        note_reach(reaches[k], reach, camera)
+def may_show(extent: Floats, eye: Eye, farthest: Floats) -> Array:
+    """Tell of which objects (n,) some cell does not already show something nearer."""
+    seen = np.zeros(len(extent), np.bool_)
+    for k in range(len(extent)):
+        left, right, top, bottom = extent[k, 0], extent[k, 1], extent[k, 2], extent[k, 3]
+        for row in range(int(top) // CELL, (int(bottom) - 1) // CELL + 1):
+            for column in range(int(left) // CELL, (int(right) - 1) // CELL + 1):
+                tile, place = farthest[row // CELLS, column // CELLS], (row % CELLS, column % CELLS)
+                seen[k] |= not extent[k, 4] - eye.tie > tile[place]
+    return seen
 
 
 @parallel_jit
 def lay_out(
-    camera: Camera,
-    objects: Array,
-    vertices: Floats,
-    triangles: Array,
-    nodes: Array,
-    members: Array,
-    corners: Floats,
-    reaches: Array,
-    tiles: Array,
+    shapes: Shapes, rows: Floats, eye: Eye, vertex_shares: Array, node_shares: Array, laid: Laid
 ) -> None:
-    """Project a batch of objects and refit their hierarchies; those hidden lose their reach.
+    """Project the meshes of a batch, and refit their hierarchies to the screen.
 
     Parameters
     ----------
-    camera, objects, vertices, triangles, nodes
-        As for ``rays.cast``.
-    members : (n,) MEMBER
-        The batch, nearest first.
-    corners : (V, 4) float64
-        Receives the projected vertices, see ``corner_of``.
-    reaches : (R,) REACH
-        Those of all objects; receives those of the batch's nodes and triangles.
-    tiles : (rows, columns) TILE
+    shapes : Shapes
+    rows : (n, 3, 4) float64
+        From the space of each object to clip space (x, y, d).
+    eye : Eye
+    vertex_shares, node_shares : (s,) SHARE
+        All vertices, and all nodes, of the members.
+    laid : Laid
+        Receives projected vertices and extents.
     """
-    for place in prange(len(members)):
-        member = members[place]
-        thing = objects[member["object"]]
-        if is_hidden(reaches[member["object"]], tiles):
-            reaches[member["object"]]["right"] = -1
-        elif thing["kind"] == MESH:
-            project_mesh(camera, thing, member, vertices, corners)
-            reach_triangles(camera, thing, member, triangles, corners, reaches)
-            reach_nodes(thing, member, nodes, reaches)
+    vertices, corner, _, tree = shapes
+    members, _, screen, extent = laid
+    for k in prange(len(vertex_shares)):
+        share = vertex_shares[k]
+        project_share(vertices, rows, eye, members[share["member"]], share, screen)
+    for k in prange(len(node_shares)):
+        share = node_shares[k]
+        reach_leaves(corner, tree, eye, members[share["member"]], share, screen, extent)
+    for k in prange(len(members)):
+        reach_inner(tree, members[k], extent)
 
 
 @jit
-def is_hidden(reach: Any, tiles: Array) -> bool:
-    """Whether every tile within reach already shows something nearer."""
-    for row in range(reach["top"] // SIDE, reach["bottom"] // SIDE + 1):
-        for column in range(reach["left"] // SIDE, reach["right"] // SIDE + 1):
-            if reach["nearest"] >= tiles[row, column]["floor"]:
-                return False
-    return True
+def project_share(vertices: Floats, rows: Floats, eye: Eye, member: Any, share: Any, screen: Floats) -> None:
+    """Carry some vertices of a mesh to the screen."""
+    clip, source, target = rows[member["object"]], member["vertex"], member["to_screen"]
+    for k in range(share["start"], share["end"]):
+        px, py, pz = vertices[source + k, 0], vertices[source + k, 1], vertices[source + k, 2]
+        x, y, nearness, error = projected(px, py, pz, clip, eye)
+        screen[target + k, X], screen[target + k, Y] = x, y
+        screen[target + k, NEARNESS], screen[target + k, ERROR] = nearness, error
 
 
 @jit
-def project_mesh(camera: Camera, thing: Any, member: Any, vertices: Floats, corners: Floats) -> None:
-    """Carry the vertices of a mesh to the screen."""
-    screen, target = thing["screen"], member["to_corner"]
-    for k in range(thing["vertex_start"], thing["vertex_end"]):
-        x, y, z = vertices[k, 0], vertices[k, 1], vertices[k, 2]
-        corner = corner_of(screen, x, y, z, camera.perspective)
-        for i in range(4):
-            corners[k + target, i] = corner[i]
-
-
-@jit
-def reach_triangles(
-    camera: Camera, thing: Any, member: Any, triangles: Array, corners: Floats, reaches: Array
+def reach_leaves(
+    corner: Ints, tree: Ints, eye: Eye, member: Any, share: Any, screen: Floats, extent: Floats
 ) -> None:
-    """Find the reach of every triangle of a mesh."""
-    for k in range(thing["start"], thing["end"]):
-        a, b, c = corners_of(triangles[k], corners, member["to_corner"])
-        reach = reach_triangle(a, b, c, camera.perspective, camera.near)
-        note_reach(reaches[k + member["to_triangle"]], reach, camera)
-
-
-@jit
-def corners_of(triangle: Any, corners: Floats, to_corner: int) -> tuple[Corner, Corner, Corner]:
-    """Return the projected corners of a triangle."""
-    a, b, c = triangle["corner"][0], triangle["corner"][1], triangle["corner"][2]
-    return (
-        corner_at(corners, a + to_corner),
-        corner_at(corners, b + to_corner),
-        corner_at(corners, c + to_corner),
-    )
-
-
-@jit
-def corner_at(corners: Floats, k: int) -> Corner:
-    """Return one projected corner."""
-    return corners[k, 0], corners[k, 1], corners[k, 2], corners[k, 3]
-
-
-@jit
-def reach_nodes(thing: Any, member: Any, nodes: Array, reaches: Array) -> None:
-    """Find the reach of every node of a mesh's hierarchy, from the last to the first."""
-    for k in range(thing["root_end"] - 1, thing["root"] - 1, -1):
-        first, count = nodes[k]["first"], nodes[k]["count"]
+    """Find the extent of some leaves of a mesh, but for triangles with corners that are not certain."""
+    for k in range(share["start"], share["end"]):
+        first, count = tree[member["node"] + k, 0], tree[member["node"] + k, 1]
         if count == INNER:
-            join(reaches, k + member["to_node"], first + member["to_node"], 2)
-        else:
-            join(reaches, k + member["to_node"], first + member["to_triangle"], count)
+            continue
+        left, right, top, bottom, nearest, error = np.inf, -np.inf, np.inf, -np.inf, -np.inf, 0.0
+        for triangle in range(member["triangle"] + first, member["triangle"] + first + count):
+            a = member["to_screen"] + corner[triangle, 0]
+            b = member["to_screen"] + corner[triangle, 1]
+            c = member["to_screen"] + corner[triangle, 2]
+            worst = max(max(screen[a, ERROR], screen[b, ERROR]), screen[c, ERROR])
+            if worst <= LOOSE:
+                error = max(error, worst)
+                left = min(min(left, screen[a, X]), min(screen[b, X], screen[c, X]))
+                right = max(max(right, screen[a, X]), max(screen[b, X], screen[c, X]))
+                top = min(min(top, screen[a, Y]), min(screen[b, Y], screen[c, Y]))
+                bottom = max(max(bottom, screen[a, Y]), max(screen[b, Y], screen[c, Y]))
+                nearest = max(
+                    max(nearest, screen[a, NEARNESS]), max(screen[b, NEARNESS], screen[c, NEARNESS])
+                )
+        noted = extent[member["to_extent"] + k]
+        noted[0], noted[1] = samples_between(left, right, error, eye.width)
+        noted[2], noted[3] = samples_between(top, bottom, error, eye.height)
+        noted[4] = key_depth(nearest, eye) - nearness_error(nearest, eye) * eye.scale
+        if not (noted[0] < noted[1] and noted[2] < noted[3]):
+            # What covers nothing adds nothing where extents are joined.
+            noted[0], noted[1], noted[2], noted[3], noted[4] = eye.width, 0.0, eye.height, 0.0, np.inf
 
 
 @jit
-def join(reaches: Array, place: int, first: int, count: int) -> None:
-    """Make one reach of ``count`` that follow each other; empty ones add nothing."""
-    left, right, top, bottom, nearest = NONE, -NONE, NONE, -NONE, -np.inf
-    for k in range(first, first + count):
-        part = reaches[k]
-        if part["left"] <= part["right"] and part["top"] <= part["bottom"]:
-            left, right = min(left, part["left"]), max(right, part["right"])
-            top, bottom = min(top, part["top"]), max(bottom, part["bottom"])
-            nearest = max(nearest, part["nearest"])
-    whole = reaches[place]
-    whole["left"], whole["right"], whole["top"], whole["bottom"] = left, right, top, bottom
-    whole["nearest"] = nearest
+def reach_inner(tree: Ints, member: Any, extent: Floats) -> None:
+    """Join the extents of the nodes of a mesh below each, from the last to the first."""
+    for k in range(member["nodes"] - 1, -1, -1):
+        first, count = tree[member["node"] + k, 0], tree[member["node"] + k, 1]
+        if count != INNER:
+            continue
+        whole, one = extent[member["to_extent"] + k], extent[member["to_extent"] + first]
+        two = extent[member["to_extent"] + first + 1]
+        whole[0], whole[1] = min(one[0], two[0]), max(one[1], two[1])
+        whole[2], whole[3] = min(one[2], two[2]), max(one[3], two[3])
+        whole[4] = min(one[4], two[4])
 
 
 # ---------------------------------------------------------------- casting
 
 
-class Area(NamedTuple):
-    """The samples of one tile: its first and last within the image, and where the first lies."""
-
-    column: int
-    row: int
-    last_column: int
-    last_row: int
-    x: float
-    y: float
-
-
-@jit
-def area_of(tile_row: int, tile_column: int, camera: Camera) -> Area:
-    """Return the samples of the tile at a row and column of tiles."""
-    row, column = tile_row * SIDE, tile_column * SIDE
-    return Area(
-        column,
-        row,
-        min(column + SIDE, camera.width) - 1,
-        min(row + SIDE, camera.height) - 1,
-        column + 0.5 - 0.5 * camera.width,
-        row + 0.5 - 0.5 * camera.height,
-    )
-
-
 @parallel_jit
-def cast_batch(
-    camera: Camera,
-    objects: Array,
-    planes: Floats,
-    triangles: Array,
-    nodes: Array,
-    members: Array,
-    corners: Floats,
-    reaches: Array,
-    tiles: Array,
-    work: Array | None,
+def cast(
+    shapes: Shapes,
+    laid: Laid,
+    special: tuple[Array, Floats],
+    listed: Ints,
+    todo: Array,
+    eye: Eye,
+    first: Window,
+    tiles: Tiles,
+    doubts: Array | None,
+    counts: Array,
 ) -> None:
-    """Cast the rays of all tiles into a batch of objects that is laid out.
+    """Cast the rays of tiles into a batch of objects that is laid out.
 
     Parameters
     ----------
-    camera, objects, planes, triangles, nodes
-        As for ``rays.cast``.
-    members, corners, reaches, tiles
-        As :func:`lay_out` left them; the tiles receive the nearest hits.
-    work : (SHARES, COUNTS) int64 or None
-        Receives the work done for every share of the image.
+    shapes, laid
+    special : tuple
+        Quadrics (q,) QUADRIC, and tables (t, TABLE) float64, all full, of the triangles of which a corner is
+        not certain.
+    listed : (l,) int32
+        Members, list after list, nearest first.
+    todo : (k, 4) int64
+        Tiles: row and column, where the list of each begins and where it ends.
+    eye : Eye
+    first : Window
+        That of the first tile.
+    tiles : Tiles
+    doubts : (k, room) DOUBT or None
+    counts : (k, COUNTS) int64
     """
-    for share in prange(SHARES):
-        done = None if work is None else work[share]
-        for tile_row in range(share, len(tiles), SHARES):
-            for place in range(len(members)):
-                member = members[place]
-                thing, reach = objects[member["object"]], reaches[member["object"]]
-                for tile_column in range(reach["left"] // SIDE, reach["right"] // SIDE + 1):
-                    area, tile = area_of(tile_row, tile_column, camera), tiles[tile_row, tile_column]
-                    tally(done, EXTENT_TESTS)
-                    if not can_show(reach, area, tile):
-                        continue
-                    if thing["kind"] == MESH:
-                        cast_into_mesh(
-                            area, camera, thing, member, triangles, nodes, corners, reaches, tile, done
-                        )
-                    else:
-                        cast_into_generic(area, camera, thing, planes, reach, tile, done)
+    for k in prange(len(todo)):
+        room = None if doubts is None else doubts[k]
+        chosen = listed[todo[k, 2] : todo[k, 3]]
+        cast_tile(shapes, laid, special, chosen, todo[k], eye, first, tiles, room, counts[k])
 
 
 @jit
-def can_show(reach: Any, area: Area, tile: Any) -> bool:
-    """Whether something reaches into a tile, and may be nearer than some of what the tile shows."""
-    return bool(
-        reach["left"] <= area.last_column
-        and reach["right"] >= area.column
-        and reach["top"] <= area.last_row
-        and reach["bottom"] >= area.row
-        and reach["nearest"] >= tile["floor"]
-    )
-
-
-@jit
-def cast_into_generic(
-    area: Area, camera: Camera, thing: Any, planes: Floats, reach: Any, tile: Any, work: Array | None
+def cast_tile(
+    shapes: Shapes,
+    laid: Laid,
+    special: tuple[Array, Floats],
+    listed: Ints,
+    tile: Array,
+    eye: Eye,
+    first: Window,
+    tiles: Tiles,
+    doubts: Array | None,
+    counts: Array,
 ) -> None:
-    """Hit a generic object with each ray of a tile that its extent can reach."""
-    left, right = max(area.column, reach["left"]), min(area.last_column, reach["right"])
-    for row in range(max(area.row, reach["top"]), min(area.last_row, reach["bottom"]) + 1):
-        nearness, owner = tile["nearness"][row - area.row], tile["face"][row - area.row]
-        y = area.y + (row - area.row)
-        for i in range(left - area.column, right - area.column + 1):
-            hit = counted(generic_hit(area.x + i, y, thing, planes, camera), work)
-            nearness[i], owner[i] = better(hit, Best(nearness[i], owner[i]))
-    raise_floor(tile)
+    """Cast the rays of one tile into the listed members and all loose triangles."""
+    quadrics, loose = special
+    all_keys, all_farthest, faces, face, depth = tiles
+    keys, farthest = all_keys[tile[0], tile[1]], all_farthest[tile[0], tile[1]]
+    window = Window(tile[0] * SIDE, tile[1] * SIDE, first.width, first.mask, first.gap)
+    stale = np.zeros((CELLS, CELLS), np.bool_)
+    members, extent = laid[0], laid[1]
+
+    # Go through the objects, nearest first, but for the hidden ones.
+    for m in listed:
+        counts[EXTENTS] += 1
+        cells = cells_of(extent[m, 0], extent[m, 1], extent[m, 2], extent[m, 3], keys, window)
+        if is_hidden(extent[m, 4] - eye.tie, cells, keys, farthest, stale):
+            continue
+        if members[m]["quadric"] == NO_QUADRIC:
+            cast_into_mesh(shapes, laid, members[m], keys, window, eye, farthest, stale, doubts, counts)
+        else:
+            cast_into_quadric(quadrics[members[m]["quadric"]], keys, window, eye, doubts, counts)
+            stale[cells[0] : cells[1], cells[2] : cells[3]] = True
+
+    for t in range(len(loose)):
+        draw_table(loose[t], CLUSTER, keys, window, eye, farthest, doubts, counts)
+        stale[:] = True
+
+    # Note how far the tile shows now.
+    for row in range(CELLS):
+        for column in range(CELLS):
+            if stale[row, column]:
+                farthest[row, column] = farthest_in(keys, row * CELL, column * CELL)
+    box = (0, min(SIDE, len(face) - window.line), 0, min(SIDE, face.shape[1] - window.column))
+    read_out(keys, window, box, faces, eye, face, depth)
 
 
 @jit
 def cast_into_mesh(
-    area: Area,
-    camera: Camera,
-    thing: Any,
+    shapes: Shapes,
+    laid: Laid,
     member: Any,
-    triangles: Array,
-    nodes: Array,
-    corners: Floats,
-    reaches: Array,
-    tile: Any,
-    work: Array | None,
+    keys: Array,
+    window: Window,
+    eye: Eye,
+    farthest: Floats,
+    stale: Array,
+    doubts: Array | None,
+    counts: Array,
 ) -> None:
-    """Walk a tile through the hierarchy of a mesh, the nearer child first."""
-    to_node = member["to_node"]
-    stack = np.empty(STACK, np.int64)
-    stack[0] = thing["root"]
+    """Walk the rays of a tile through the hierarchy of a mesh, the nearer child first."""
+    _, corner, number, tree = shapes
+    _, _, screen, extent = laid
+    root, to_extent, start = member["node"], member["to_extent"], member["triangle"]
+    stack, table = np.empty(STACK, np.int64), np.empty(TABLE)
+    stack[0] = 0
     waiting = 1
     while waiting > 0:
         waiting -= 1
         k = stack[waiting]
-        tally(work, NODES)
-        if not can_show(reaches[k + to_node], area, tile):
+        counts[NODES] += 1
+        here = to_extent + k
+        cells = cells_of(extent[here, 0], extent[here, 1], extent[here, 2], extent[here, 3], keys, window)
+        if is_hidden(extent[here, 4] - eye.tie, cells, keys, farthest, stale):
             continue
-        first, count = nodes[k]["first"], nodes[k]["count"]
-        if count != INNER:
-            leaf = (first, first + count)
-            cast_into_leaf(area, camera, thing, member, leaf, triangles, corners, reaches, tile, work)
-            continue
-        nearest = reaches[first + to_node]["nearest"]
-        second_nearer = reaches[first + 1 + to_node]["nearest"] > nearest
-        stack[waiting] = first if second_nearer else first + 1
-        stack[waiting + 1] = first + 1 if second_nearer else first
-        waiting += 2
+        first, count = tree[root + k, 0], tree[root + k, 1]
+        if count == INNER:
+            second_nearer = extent[to_extent + first + 1, 4] < extent[to_extent + first, 4]
+            stack[waiting] = first if second_nearer else first + 1
+            stack[waiting + 1] = first + 1 if second_nearer else first
+            waiting += 2
+        else:
+            gather_leaf(screen, corner, number, member, start + first, count, table)
+            set_up(table, count, eye)
+            draw_table(table, count, keys, window, eye, farthest, doubts, counts)
+            stale[cells[0] : cells[1], cells[2] : cells[3]] = True
 
 
 @jit
-def cast_into_leaf(
-    area: Area,
-    camera: Camera,
-    thing: Any,
-    member: Any,
-    leaf: tuple[int, int],
-    triangles: Array,
-    corners: Floats,
-    reaches: Array,
-    tile: Any,
-    work: Array | None,
+def gather_leaf(
+    screen: Floats, corner: Ints, number: Ints, member: Any, first: int, count: int, table: Floats
 ) -> None:
-    """Test the triangles of a leaf, first to end, that reach into a tile."""
-    tested = False
-    for k in range(leaf[0], leaf[1]):
-        reach = reaches[k + member["to_triangle"]]
-        if not can_show(reach, area, tile):
-            continue
-        a, b, c = corners_of(triangles[k], corners, member["to_corner"])
-        facet = facet_of(a, b, c, camera.perspective, thing["cull"], thing["mirrored"])
-        tally(work, FACE_TESTS)
-        if facet.turn == 0.0:
-            continue
-        face = thing["first_face"] + triangles[k]["face"]
-        for row in range(max(area.row, reach["top"]), min(area.last_row, reach["bottom"]) + 1):
-            cast_into_row(facet, face, row - area.row, area, camera.closest, tile)
-        tested = True
-    if tested:
-        raise_floor(tile)
-
-
-@jit
-def cast_into_row(facet: Facet, face: int, row: int, area: Area, closest: float, tile: Any) -> None:
-    """Test one triangle with a row of 16 rays; written without branches, to become vector code."""
-    line = row_of(facet, area.y + row)
-    nearness, owner = tile["nearness"][row], tile["face"][row]
-    for i in range(SIDE):
-        here = covered_nearness(line, area.x + i, closest)
-        best, best_face = nearness[i], owner[i]
-        nearer = (here > best) | ((here == best) & (face < best_face))
-        nearness[i] = here if nearer else best
-        owner[i] = face if nearer else best_face
-
-
-@jit
-def raise_floor(tile: Any) -> None:
-    """Work out the least nearness in a tile: down its columns side by side, then across."""
-    nearness, column = tile["nearness"], tile["column"]
-    for i in range(SIDE):
-        least = nearness[0, i]
-        for row in range(1, SIDE):
-            here = nearness[row, i]
-            least = here if here < least else least
-        column[i] = least
-    floor = column[0]
-    for i in range(1, SIDE):
-        floor = column[i] if column[i] < floor else floor
-    tile["floor"] = floor
-
-
-@parallel_jit
-def read_out(camera: Camera, tiles: Array, face: Ints, depth: Floats) -> None:
-    """Copy the answers of all tiles into the map; see ``rays.cast``."""
-    for tile_row in prange(len(tiles)):
-        for tile_column in range(tiles.shape[1]):
-            area, tile = area_of(tile_row, tile_column, camera), tiles[tile_row, tile_column]
-            for row in range(area.row, area.last_row + 1):
-                nearness, owner = tile["nearness"][row - area.row], tile["face"][row - area.row]
-                for i in range(area.last_column - area.column + 1):
-                    column = area.column + i
-                    answer = answer_of(Best(nearness[i], owner[i]), camera.perspective)
-                    face[row, column], depth[row, column] = answer
+    """Gather the triangles of a leaf into a table."""
+    to_screen, piece, cull = member["to_screen"], member["piece"], float(member["cull"])
+    for i in range(np.uintp(count)):
+        triangle = first + np.int64(i)
+        for k in range(3):
+            for part in range(4):
+                table[GATHERED + (4 * k + part) * CLUSTER + i] = screen[to_screen + corner[triangle, k], part]
+        table[CULL + i], table[NUMBER + i] = cull, piece + number[triangle]

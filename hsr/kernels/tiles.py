@@ -1,23 +1,24 @@
-"""Half-space rasterisation by strips of the image, with hierarchical depth.
+"""Half-space rasterisation by tiles of the image, with hierarchical depth.
 
 Triangles come in clusters, neighbours on the surface, and clusters in order of their nearest point. The
 screen is cut into cells, of which the farthest depth is known; a cluster behind all cells that it crosses is
 hidden, and not looked into (Greene, Kass & Miller, "Hierarchical Z-Buffer Visibility", SIGGRAPH 1993). The
 others are drawn triangle by triangle, see :mod:`hsr.kernels.halfspaces` and :mod:`hsr.kernels.doubts`.
 
-The strips are shared out among threads. Neither their number nor the order of clusters leaves a trace.
+The tiles are shared out among threads. Neither their number nor the order of clusters leaves a trace.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from hsr.arrays import Array, Floats, Ints
+from hsr.arrays import Array, Bools, Floats, Ints
 from hsr.jit import jit, parallel_jit, prange
 from hsr.kernels.doubts import (
     EMPTY,
     TRIANGLES,
     Window,
+    clear,
     depth_mask,
     depth_of,
     fill,
@@ -41,6 +42,7 @@ from hsr.kernels.halfspaces import (
     TABLE,
     TOP,
     Eye,
+    gather,
     key_depth,
     nearness_error,
     projected,
@@ -48,22 +50,20 @@ from hsr.kernels.halfspaces import (
     set_up,
 )
 
-STRIP = 64
-"""Scan lines in a strip, the piece of work of one thread."""
+LINES, COLUMNS = 64, 512
+"""Size in samples of a tile, the piece of work of one thread. Its keys stay in the cache of a core, and a
+line of its depths is a page of memory: narrow tiles took three times as long to read out."""
 
 CELL = 16
 """Side in samples of the cells whose farthest depth is known."""
 
-GOLDEN = 0.6180339887498949
-"""Its multiples, modulo 1, cut [0, 1) evenly however many there are."""
-
 DRAWN, HIDDEN = 2, 3
-"""Columns of the counts of a strip, after those of its window: clusters looked into, and hidden ones."""
+"""Columns of the counts of a tile, after those of its window: clusters looked into, and hidden ones."""
 
 COUNTS = 4
 
 Cells = tuple[int, int, int, int]
-"""First and end row, first and end column of some cells of a strip."""
+"""First and end row, first and end column of some cells of a window."""
 
 
 # ---------------------------------------------------------------- clusters
@@ -114,43 +114,60 @@ def reach_box(low: Floats, high: Floats, rows: Floats, eye: Eye) -> tuple[float,
 
 
 @jit
-def deal(extent: Floats, order: Array, height: int) -> tuple[Ints, Array]:
-    """List the clusters of each strip of the image, nearest first.
+def deal(extent: Floats, order: Array, size: tuple[int, int], side: tuple[int, int]) -> tuple[Ints, Array]:
+    """List for each tile of the image what may cover some of it, in its order.
 
     Parameters
     ----------
     extent : (n, 5) float64
+        First and end column, first and end line of each thing; the rest is not read.
     order : (n,) int64
-        Clusters from near to far.
-    height : int
+    size : (width, height)
+        Of the image.
+    side : (columns, lines)
+        Of a tile.
 
     Returns
     -------
     listed : (m,) int32
-        Clusters, list after list.
-    strips : (S, 3) int64
-        A strip, where its list begins and where it ends. They come scattered over the image, so that threads
-        that take equal parts have about equal work.
+        List after list.
+    tiles : (T, 4) int64
+        Row and column of a tile, where its list begins and where it ends; the longest list first.
     """
-    number = -(-height // STRIP)
+    columns = -(-size[0] // side[0])
+    number = -(-size[1] // side[1]) * columns
+    seen = order[(extent[order, 0] < extent[order, 1]) & (extent[order, 2] < extent[order, 3])]
     place = np.zeros(number + 1, np.int64)
-    seen = (extent[:, 0] < extent[:, 1]) & (extent[:, 2] < extent[:, 3])
-    for m in order[seen[order]]:
-        for strip in range(int(extent[m, 2]) // STRIP, (int(extent[m, 3]) - 1) // STRIP + 1):
-            place[strip + 1] += 1
+    for m in seen:
+        first_row, end_row, first_column, end_column = tiles_of(extent[m], side)
+        for row in range(first_row, end_row):
+            place[row * columns + first_column + 1 : row * columns + end_column + 1] += 1
     place = np.cumsum(place)
-    strips = np.empty((number, 3), np.int64)
-    strips[:, 0] = np.argsort(np.arange(number) * GOLDEN % 1.0)
-    strips[:, 1], strips[:, 2] = place[strips[:, 0]], place[strips[:, 0] + 1]
+    tiles = np.empty((number, 4), np.int64)
+    for k, tile in enumerate(np.argsort(place[:-1] - place[1:], kind="mergesort")):
+        tiles[k] = tile // columns, tile % columns, place[tile], place[tile + 1]
     listed = np.empty(place[-1], np.int32)
-    for m in order[seen[order]]:
-        for strip in range(int(extent[m, 2]) // STRIP, (int(extent[m, 3]) - 1) // STRIP + 1):
-            listed[place[strip]] = m
-            place[strip] += 1
-    return listed, strips
+    for m in seen:
+        first_row, end_row, first_column, end_column = tiles_of(extent[m], side)
+        for row in range(first_row, end_row):
+            for tile in range(row * columns + first_column, row * columns + end_column):
+                listed[place[tile]] = m
+                place[tile] += 1
+    return listed, tiles
 
 
-# ---------------------------------------------------------------- strips
+@jit
+def tiles_of(extent: Floats, side: tuple[int, int]) -> tuple[int, int, int, int]:
+    """Return the first and end row, first and end column of the tiles in an extent."""
+    return (
+        int(extent[2]) // side[1],
+        (int(extent[3]) - 1) // side[1] + 1,
+        int(extent[0]) // side[0],
+        (int(extent[1]) - 1) // side[0] + 1,
+    )
+
+
+# ---------------------------------------------------------------- tiles
 
 
 @parallel_jit
@@ -158,7 +175,7 @@ def rasterise(
     mesh: tuple[Floats, Ints, Array, Ints],
     extent: Floats,
     listed: Ints,
-    strips: Array,
+    tiles: Array,
     loose: Floats,
     eye: Eye,
     doubts: Array | None,
@@ -166,7 +183,7 @@ def rasterise(
     face: Ints,
     depth: Floats,
 ) -> None:
-    """Draw all triangles strip by strip.
+    """Draw all triangles tile by tile.
 
     Parameters
     ----------
@@ -174,63 +191,84 @@ def rasterise(
         ``screen`` (V, 4) float64, ``corner`` (n, 3) int32 and ``cull`` (n,) int8, see
         :func:`hsr.kernels.halfspaces.set_up`; ``faces`` (n,) int32, the face of each triangle.
     extent : (clusters, 5) float64
-    listed, strips
+    listed, tiles
         See :func:`deal`.
     loose : (t, TABLE) float64
         Tables of the triangles that ``set_up`` leaves out, all full.
     eye : Eye
-    doubts : (S, room) DOUBT or None
-    counts : (S, COUNTS) int64
+    doubts : (T, room) DOUBT or None
+    counts : (T, COUNTS) int64
     face : (H, W) int32
     depth : (H, W) float64
     """
-    for k in prange(len(strips)):
-        strip = strips[k, 0]
+    for k in prange(len(tiles)):
         room = None if doubts is None else doubts[k]
-        draw_strip(
-            mesh, extent, listed[strips[k, 1] : strips[k, 2]], loose, strip, eye, room, counts[k], face, depth
-        )
+        mine = listed[tiles[k, 2] : tiles[k, 3]]
+        draw_tile(mesh, extent, mine, tiles[k, :2], loose, eye, room, counts[k], face, depth)
 
 
 @jit
-def draw_strip(
+def draw_tile(
     mesh: tuple[Floats, Ints, Array, Ints],
     extent: Floats,
     listed: Ints,
+    tile: Array,
     loose: Floats,
-    strip: int,
     eye: Eye,
     doubts: Array | None,
     counts: Array,
     face: Ints,
     depth: Floats,
 ) -> None:
-    """Draw the listed clusters and all loose triangles into one strip, and read it out."""
+    """Draw the listed clusters and all loose triangles into one tile, and read it out."""
     screen, corner, cull, faces = mesh
-    first, last = strip * STRIP, min((strip + 1) * STRIP, len(face))
-    keys = np.full((last - first, face.shape[1] + LANES), EMPTY, np.uint64)
+    line, column = tile[0] * LINES, tile[1] * COLUMNS
+    lines, columns = min(LINES, face.shape[0] - line), min(COLUMNS, face.shape[1] - column)
+    keys = np.full((lines, columns + LANES), EMPTY, np.int64)
     mask = depth_mask(len(corner))
-    window = Window(first, 0, face.shape[1], mask, gap_of(mask, eye.tie))
-    farthest = np.full((STRIP // CELL, face.shape[1] // CELL + 1), np.inf)
-    stale = np.zeros(farthest.shape, np.bool_)
+    window = Window(line, column, face.shape[1], mask, gap_of(mask, eye.tie))
+    farthest = np.full((LINES // CELL, COLUMNS // CELL), np.inf)
+    stale, drawn = np.zeros(farthest.shape, np.bool_), np.zeros(farthest.shape, np.bool_)
     table = np.empty(TABLE)
 
     # Draw the clusters, nearest first, but for the hidden ones.
     for m in listed:
-        cells = cells_of(extent[m, 2] - first, extent[m, 3] - first, extent[m, 0], extent[m, 1], len(keys))
+        cells = cells_of(extent[m, 0], extent[m, 1], extent[m, 2], extent[m, 3], keys, window)
         if is_hidden(extent[m, 4] - eye.tie, cells, keys, farthest, stale):
             counts[HIDDEN] += 1
             continue
         counts[DRAWN] += 1
-        n = set_up(screen, corner, cull, m * CLUSTER, eye, table)
+        n = gather(screen, corner, cull, m * CLUSTER, table)
+        set_up(table, n, eye)
         draw_table(table, n, keys, window, eye, farthest, doubts, counts)
         stale[cells[0] : cells[1], cells[2] : cells[3]] = True
+        drawn[cells[0] : cells[1], cells[2] : cells[3]] = True
 
+    # Draw what has no place in clusters, and read the answer out.
+    drawn[:] |= len(loose) > 0
     for t in range(len(loose)):
         draw_table(loose[t], CLUSTER, keys, window, eye, farthest, doubts, counts)
     if doubts is not None:
         settle(keys, window, doubts, counts)
-    read_out(keys, window, faces, eye, face, depth)
+    for row in range(-(-lines // CELL)):
+        start = 0
+        while start < columns:
+            end = min(end_of_run(drawn[row], start // CELL) * CELL, columns)
+            box = (row * CELL, min((row + 1) * CELL, lines), start, end)
+            if drawn[row, start // CELL]:
+                read_out(keys, window, box, faces, eye, face, depth)
+            else:
+                clear(window, box, face, depth)
+            start = end
+
+
+@jit
+def end_of_run(drawn: Bools, cell: int) -> int:
+    """Return the first cell after one that is not as it is."""
+    end = cell + 1
+    while end < len(drawn) and drawn[end] == drawn[cell]:
+        end += 1
+    return end
 
 
 @jit
@@ -245,13 +283,13 @@ def draw_table(
     counts: Array,
 ) -> None:
     """Draw the first n triangles of a table, but for those behind all that their cells were known to show."""
-    lines, certify = len(keys), None if doubts is None else True
+    certify = None if doubts is None else True
     for i in range(n):
-        top = max(table[TOP + i] - window.line, 0.0)
-        bottom = min(table[BOTTOM + i] - window.line, float(lines))
-        if top >= bottom:
+        if not table[TOP + i] < table[BOTTOM + i]:
             continue
-        cells = cells_of(top, bottom, table[LEFT + i], table[RIGHT + i], lines)
+        cells = cells_of(table[LEFT + i], table[RIGHT + i], table[TOP + i], table[BOTTOM + i], keys, window)
+        if cells[0] >= cells[1] or cells[2] >= cells[3]:
+            continue
         if is_behind(table[NEAREST + i] - eye.tie, cells, farthest):
             continue
         counts[TRIANGLES] += 1
@@ -268,15 +306,27 @@ def draw_table(
 
 
 @jit
-def cells_of(top: float, bottom: float, left: float, right: float, lines: int) -> Cells:
-    """Return the cells of some samples of a strip."""
-    first_row, end_row = max(int(top), 0) // CELL, (min(int(bottom), lines) - 1) // CELL + 1
-    return first_row, end_row, int(left) // CELL, (int(right) - 1) // CELL + 1
+def cells_of(left: float, right: float, top: float, bottom: float, keys: Array, window: Window) -> Cells:
+    """Return the cells of the samples of a window in a box of the image; none if there are none."""
+    lines, columns = len(keys), keys.shape[1] - LANES
+    first_line, end_line = max(int(top) - window.line, 0), min(int(bottom) - window.line, lines)
+    first_column, end_column = max(int(left) - window.column, 0), min(int(right) - window.column, columns)
+    if first_line >= end_line or first_column >= end_column:
+        return 0, 0, 0, 0
+    return (
+        first_line // CELL,
+        (end_line - 1) // CELL + 1,
+        first_column // CELL,
+        (end_column - 1) // CELL + 1,
+    )
 
 
 @jit
 def is_hidden(z: float, cells: Cells, keys: Array, farthest: Floats, stale: Array) -> bool:
-    """Whether a key depth lies behind all that some cells show; looks again at those drawn to since."""
+    """Whether a key depth lies behind all that some cells show; looks again at those drawn to since.
+
+    Where there are no cells, it does.
+    """
     for row in range(cells[0], cells[1]):
         for column in range(cells[2], cells[3]):
             if stale[row, column]:
@@ -300,8 +350,8 @@ def is_behind(z: float, cells: Cells, farthest: Floats) -> bool:
 @jit
 def farthest_in(keys: Array, row: int, column: int) -> float:
     """Return the greatest key depth in a cell, ``inf`` if some sample is empty."""
-    greatest = np.uint64(0)
+    greatest = np.int64(0)
     for line in range(row, min(row + CELL, len(keys))):
         for lane in range(CELL):
             greatest = max(greatest, keys[line, np.uintp(column + lane)])
-    return depth_of(greatest) if greatest != EMPTY else np.inf
+    return depth_of(int(greatest)) if greatest != EMPTY else np.inf

@@ -17,7 +17,7 @@ from typing import Any, cast
 
 import moderngl
 
-from hsr.errors import HsrError, UnavailableError
+from hsr.errors import HsrError, NoOpenGLError
 from hsr.opengl.drawing import FRAGMENT_SHADER, VERTEX_SHADER
 from hsr.opengl.loaders import EGL, MAX_EGL_DEVICES, Loader, OSMesa
 from hsr.opengl.selftest import flaw
@@ -48,7 +48,7 @@ class Context:
 
     Raises
     ------
-    UnavailableError
+    NoOpenGLError
         If OpenGL is too old, or does not draw the test picture.
     """
 
@@ -61,11 +61,11 @@ class Context:
                 self._describe(self.gl.info)
         except (moderngl.Error, ValueError) as error:
             loader.release()
-            raise UnavailableError(" ".join(str(error).split())) from error
+            raise NoOpenGLError(" ".join(str(error).split())) from error
         complaint = flaw(self)
         if complaint:
             self.release()
-            raise UnavailableError(f"{self.renderer} {complaint}")
+            raise NoOpenGLError(f"{self.renderer} {complaint}")
 
     def _describe(self, info: dict[str, Any]) -> None:
         self.renderer, self.version = info["GL_RENDERER"], info["GL_VERSION"]
@@ -109,7 +109,7 @@ def _open_egl() -> Context:
             other = context
     if other:
         return other
-    raise UnavailableError(reasons[0])
+    raise NoOpenGLError(reasons[0])
 
 
 BACKENDS: dict[str, Callable[[], Context]] = {"osmesa": _open_osmesa, "egl": _open_egl}
@@ -134,7 +134,7 @@ def open_context(backend: str = "auto") -> Context:
 
     Raises
     ------
-    UnavailableError
+    NoOpenGLError
         If none of them draws.
     """
     reasons = []
@@ -143,7 +143,7 @@ def open_context(backend: str = "auto") -> Context:
             return BACKENDS[name]()
         except HsrError as error:
             reasons.append(f"{name}: {error}")
-    raise UnavailableError(f"no OpenGL that draws ({'; '.join(reasons)}); 'hsr doctor' says what to install")
+    raise NoOpenGLError(f"no OpenGL that draws ({'; '.join(reasons)}); 'hsr doctor' says what to install")
 
 
 @cache

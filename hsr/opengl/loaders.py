@@ -15,7 +15,7 @@ from typing import Protocol
 
 from glcontext import egl
 
-from hsr.errors import UnavailableError
+from hsr.errors import NoOpenGLError
 
 VERSION = (3, 3)
 """The OpenGL version asked for: the first with everything a map of face ids needs."""
@@ -53,7 +53,7 @@ class OSMesa:
 
     Raises
     ------
-    UnavailableError
+    NoOpenGLError
         If the library is missing, or makes no context of :data:`VERSION`.
     """
 
@@ -69,7 +69,7 @@ class OSMesa:
         array = (ctypes.c_int * len(attributes))(*attributes)
         self._context = self._library.OSMesaCreateContextAttribs(array, None)
         if not self._context:
-            raise UnavailableError("OSMesa makes no context of OpenGL {}.{}".format(*VERSION))
+            raise NoOpenGLError("OSMesa makes no context of OpenGL {}.{}".format(*VERSION))
         # A context is made current together with a picture; ours stays unused, one pixel small.
         self._picture = (ctypes.c_ubyte * 4)()
         self._lock = Lock()
@@ -83,7 +83,7 @@ class OSMesa:
         self._lock.acquire()
         if not self._library.OSMesaMakeCurrent(self._context, self._picture, GL_UNSIGNED_BYTE, 1, 1):
             self._lock.release()
-            raise UnavailableError("OSMesa refuses to make its context current")
+            raise NoOpenGLError("OSMesa refuses to make its context current")
         return self
 
     def __exit__(self, *exception: object) -> None:
@@ -111,7 +111,7 @@ def _osmesa_library() -> ctypes.CDLL:
         library.OSMesaDestroyContext.restype = None
         library.OSMesaDestroyContext.argtypes = [ctypes.c_void_p]
     except AttributeError as error:
-        raise UnavailableError(f"this OSMesa is too old: {error}") from error
+        raise NoOpenGLError(f"this OSMesa is too old: {error}") from error
     return library
 
 
@@ -121,7 +121,7 @@ def _first_library(names: list[str | None]) -> ctypes.CDLL:
             return ctypes.CDLL(name)
         except OSError:
             continue
-    raise UnavailableError(f"{OSMESA_LIBRARIES[0]} is not installed")
+    raise NoOpenGLError(f"{OSMESA_LIBRARIES[0]} is not installed")
 
 
 class EGL:
@@ -136,7 +136,7 @@ class EGL:
 
     Raises
     ------
-    UnavailableError
+    NoOpenGLError
         If the libraries or the device are missing, or it makes no context of :data:`VERSION`.
     """
 
@@ -150,7 +150,7 @@ class EGL:
                 device_index=device,
             )
         except Exception as error:  # glcontext raises no narrower class
-            raise UnavailableError(str(error)) from error
+            raise NoOpenGLError(str(error)) from error
         self._context.__exit__()  # glcontext leaves a new context current
         self._lock = Lock()
 

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import math
 import os
 import platform
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlencode
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
@@ -21,16 +24,45 @@ from hsr.difference.models.stages import Cause
 from hsr.difference.study import Study
 from hsr.errors import HsrError
 from hsr.output import write_whole
-from hsr.report.pictures import CLASS_COLOURS, Album, gather
+from hsr.report.inspection import inspection, key
+from hsr.report.pictures import CLASS_COLOURS, class_picture, data_uri, opaque
+from hsr.shading import shade
 
 PACKAGES = ("hsr-lab", "numpy", "numba", "scipy", "moderngl")
 """Whose versions a report names, besides Python's."""
 
 
+HELP = (
+    ("1 … 9", "method by its number, on the right"),
+    ("Shift+1 … Shift+9", "reference by its number, on the left"),
+    ("j k", "next and previous method"),
+    ("J K", "next and previous reference"),
+    ("t", "two pictures side by side, zoomed together"),
+    ("b", "blink; Space flips by hand"),
+    ("s o", "swipe, onion skin; , and . move the share of the method"),
+    ("i p z", "faces, shaded picture, depth"),
+    ("m c", "class map, cause map"),
+    ("n", "stretch the greys of depth over what is in view, and back"),
+    ("v", "next overlay: facing, depth complexity, face size, wireframe"),
+    ("← ↑ → ↓", "move by one sample, with Shift by ten"),
+    ("[ ]", "previous and next cluster of the method"),
+    ("g", "go to a sample: column, row"),
+    ("+ - f 0", "zoom in, out, fit, one pixel a sample"),
+    ("y", "count rows from the bottom, as OpenGL does, or from the top"),
+    ("? Escape", "this help; close"),
+)
+"""Keys of the inspector and what they do."""
+
+
 def write_report(
-    studies: Sequence[Study], path: str | Path, title: str = "Which surface does the eye see?"
+    studies: Sequence[Study],
+    path: str | Path,
+    title: str = "Which surface does the eye see?",
+    progress: Callable[[str], None] | None = None,
 ) -> None:
     """Write a report on several studies as one HTML file that needs no network.
+
+    :func:`fragment` names a sample in it: with that at the end of its address the inspector opens there.
 
     The file is written beside its place and then renamed, so a report that was there stays whole
     if anything fails.
@@ -42,6 +74,8 @@ def write_report(
     path : str or Path
     title : str
         What the page is headed by.
+    progress : callable, optional
+        Called with a study's name before the histories of its samples are told, which takes seconds.
 
     Raises
     ------
@@ -53,26 +87,46 @@ def write_report(
             raise HsrError(f"nothing to report on {found.name}: every method was skipped")
     if not studies:
         raise HsrError("nothing to report: no scenes")
-    write_whole(path, _render(studies, title), "the report")
+    data = []
+    for found in studies:
+        if progress is not None:
+            progress(f"histories of {found.name}")
+        data.append(inspection(found))
+    write_whole(path, _render(studies, title, data), "the report")
 
 
-def _render(studies: Sequence[Study], title: str) -> str:
-    album = Album()
-    scenes = [gather(found, album) for found in studies]
-    here = files("hsr.report")
-    environment = Environment(
-        loader=PackageLoader("hsr.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+def fragment(scene: str, method: str, sample: tuple[int, int] | None = None) -> str:
+    """Return the end of a report's address that opens the inspector at a sample.
+
+    Parameters
+    ----------
+    scene : str
+        The name of a study in the report.
+    method : str
+        What is shown beside the reference.
+    sample : (row, column), optional
+        Row 0 is the top row; without it the method's largest cluster is shown.
+
+    Returns
+    -------
+    str
+        ``#scene=teapot&method=opengl&x=311&y=204``: x is the column, y the row.
+    """
+    named = {"scene": scene, "method": method}
+    if sample is not None:
+        named |= {"x": str(sample[1]), "y": str(sample[0])}
+    return f"#{urlencode(named)}"
+
+
+def _render(studies: Sequence[Study], title: str, data: Sequence[dict[str, Any]]) -> str:
+    sheet, script = style("report.css") + _colours(), part("viewer.js")
+    environment = templates()
     environment.filters |= {"figures": _figures, "milliseconds": _milliseconds, "note": _note, "size": _size}
     return environment.get_template("report.html").render(
         title=title,
         studies=studies,
         methods=list(dict.fromkeys(name for found in studies for name in found.methods)),
-        classes=[(kind.label, CLASS_COLOURS[kind], ABOUT[kind]) for kind in CLASS_COLOURS],
+        classes=[(kind, ABOUT[kind]) for kind in CLASS_COLOURS],
         different=DIFFERENT,
         causes=_causes(studies),
         stages=[cause.label for cause in Cause if any(why[cause.label] for why in _causes(studies).values())],
@@ -80,12 +134,55 @@ def _render(studies: Sequence[Study], title: str) -> str:
         extent=_extent,
         expected=_expected,
         flat=any(_expected(found, name) for found in studies for name in found.differences),
+        fragment=fragment,
+        picture=_picture,
+        small=lambda difference: data_uri(class_picture(difference)),
         date=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         environment=_environment(studies),
-        lab={"pictures": album.uris, "scenes": scenes},
-        style=Markup(here.joinpath("templates", "report.css").read_text(encoding="utf-8")),
-        script=Markup(here.joinpath("viewer.js").read_text(encoding="utf-8")),
+        help=HELP,
+        key=key(),
+        data=data,
+        style=sheet,
+        script=script,
+        policy=f"default-src 'none'; img-src data:; style-src {_hash(sheet)}; script-src {_hash(script)}",
     )
+
+
+def templates() -> Environment:
+    """Return the templates of pages; what is put into them is escaped."""
+    return Environment(
+        loader=PackageLoader("hsr.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+
+
+def style(own: str) -> Markup:
+    """Return the styles of a page: what every page shares, then its own sheet."""
+    return part("templates/shared.css") + part(f"templates/{own}")
+
+
+def part(name: str) -> Markup:
+    """Return a style or script of this package, to stand in a page as it is."""
+    return Markup(files("hsr.report").joinpath(name).read_text(encoding="utf-8"))
+
+
+def _colours() -> Markup:
+    """Return the styles that show the colours of the classes."""
+    lines = (f".class-{kind:d} {{ background: rgb{colour}; }}\n" for kind, colour in CLASS_COLOURS.items())
+    return Markup("".join(lines))
+
+
+def _hash(text: str) -> str:
+    """Return the name by which a Content Security Policy allows exactly this inline text."""
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode('utf-8')).digest()).decode('ascii')}'"
+
+
+def _picture(study: Study) -> str:
+    base = study.maps[study.reference or next(iter(study.maps))]
+    return data_uri(opaque(shade(base, study.view)))
 
 
 ABOUT = {

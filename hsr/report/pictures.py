@@ -1,23 +1,17 @@
-"""The pictures of a report: small PNG files, each stored once, shown in layers.
-
-Most methods agree at most samples. So a method's picture is the reference's picture with a second
-one on top that holds only the pixels that differ and is transparent elsewhere.
-"""
+"""The still pictures of pages: small PNG files within the page."""
 
 from __future__ import annotations
 
 import base64
 import io
-from typing import Any
 
 import numpy as np
 from PIL import Image
 
-from hsr.arrays import Array, Pixels
-from hsr.difference.classes import Difference, SampleClass
-from hsr.difference.study import Study
-from hsr.shading import depth_picture, depth_span, face_picture, shade
-from hsr.visibility import VisibilityMap
+from hsr.arrays import Pixels
+from hsr.difference.classes import OTHER_OWNER, Difference, SampleClass
+from hsr.difference.models.stages import Cause
+from hsr.visibility import BACKGROUND
 
 CLASS_COLOURS = {
     SampleClass.MISSING: (0, 114, 178),
@@ -28,36 +22,27 @@ CLASS_COLOURS = {
 }
 """sRGB of the classes, told apart by people who see no red or no green as well."""
 
-FAINT = 0.2
-"""Opacity of the shaded picture beneath a map of classes."""
+CAUSE_COLOURS = {
+    Cause.TESSELLATION: (0, 114, 178),
+    Cause.INPUT_ROUNDING: (230, 159, 0),
+    Cause.TRANSFORM: (0, 158, 115),
+    Cause.CLIPPING: (86, 180, 233),
+    Cause.VERTEX_SNAPPING: (204, 32, 38),
+    Cause.FILL_RULE: (240, 228, 66),
+    Cause.DEPTH_ARITHMETIC: (204, 121, 167),
+    Cause.DEPTH_FORMAT: (119, 61, 160),
+    Cause.TRAVERSAL: (140, 86, 40),
+    Cause.INTERSECTOR: (66, 66, 170),
+    Cause.NO_DEPTH_TEST: (120, 120, 120),
+    Cause.UNEXPLAINED: (0, 0, 0),
+}
+"""sRGB of the causes; letters tell them apart as well."""
 
-BOXES = 12
-"""How many clusters are marked in a picture."""
+COVERED = (128, 128, 128, 56)
+"""sRGB and opacity of what a face covers, beneath the classes."""
 
-Layers = list[tuple[int, float]]
-"""Pictures from the bottom up: place in the album and opacity."""
-
-
-class Album:
-    """PNG pictures as data URIs, equal ones kept once."""
-
-    def __init__(self) -> None:
-        self.uris: list[str] = []
-        self._place: dict[bytes, int] = {}
-
-    def add(self, pixels: Pixels) -> int:
-        """Keep a picture and return its place.
-
-        Parameters
-        ----------
-        pixels : (H, W, 4) uint8
-            sRGB and opacity, row 0 at the top.
-        """
-        data = png(pixels)
-        if data not in self._place:
-            self._place[data] = len(self.uris)
-            self.uris.append(f"data:image/png;base64,{base64.b64encode(data).decode('ascii')}")
-        return self._place[data]
+SMALL = 192
+"""Longer side of a small picture in pixels, at most."""
 
 
 def png(pixels: Pixels) -> bytes:
@@ -80,69 +65,44 @@ def png(pixels: Pixels) -> bytes:
     return file.getvalue()
 
 
-def gather(study: Study, album: Album) -> dict[str, Any]:
-    """Put the pictures of a study into the album and say, for the viewer, which are shown where.
+def data_uri(pixels: Pixels) -> str:
+    """Return a picture as a data URI; see :func:`png`."""
+    return f"data:image/png;base64,{base64.b64encode(png(pixels)).decode('ascii')}"
 
-    Parameters
-    ----------
-    study : Study
-        With one map at least.
-    album : Album
+
+def opaque(picture: Pixels) -> Pixels:
+    """Turn a grey (H, W) or coloured (H, W, 3) picture into one with opacity, (H, W, 4)."""
+    height, width = picture.shape[:2]
+    whole = np.full((height, width, 4), 255, dtype=np.uint8)
+    whole[..., :3] = picture.reshape(height, width, -1)
+    return whole
+
+
+def class_picture(difference: Difference) -> Pixels:
+    """Paint where two maps differ, small, and so that a single sample can be seen.
+
+    Every pixel stands for a square of samples. It shows a difference if any of them has one, a wrong face
+    before what is missing or extra; ties and depths are left out.
 
     Returns
     -------
-    dict
-        JSON values: ``name``, ``width``, ``height``, ``reference`` (place of the method the first
-        pane shows) and for every ``methods`` its ``name``, its ``layers`` by kind of picture and the
-        ``boxes`` of its largest clusters.
+    (h, w, 4) uint8
+        sRGB and opacity; at most SMALL pixels a side.
     """
-    names = list(study.maps)
-    first = study.reference or names[0]
-    base = study.maps[first]
-    picture = album.add(_opaque(shade(base, study.view)))
-    faces, greys, span = face_picture(base), depth_picture(base), depth_span(base)
-    face_base, depth_base = album.add(_opaque(faces)), album.add(_opaque(greys))
-
-    def method(name: str, map: VisibilityMap) -> dict[str, Any]:
-        grey = depth_picture(map, span)
-        layers = {
-            "picture": [(picture, 1.0)],
-            "faces": _layered(album, face_base, face_picture(map), map.face != base.face),
-            "depth": _layered(album, depth_base, grey, grey != greys),
-        }
-        difference = study.differences.get(name)
-        if difference is None:
-            return {"name": name, "layers": layers, "boxes": []}
-        layers["difference"] = [(picture, FAINT), (album.add(_class_picture(difference)), 1.0)]
-        boxes = [list(cluster.box) for cluster in difference.clusters[:BOXES]]
-        return {"name": name, "layers": layers, "boxes": boxes}
-
-    return {
-        "name": study.scene.title or study.name,
-        "width": study.view.width,
-        "height": study.view.height,
-        "reference": names.index(first),
-        "methods": [method(name, map) for name, map in study.maps.items()],
-    }
-
-
-def _layered(album: Album, base: int, picture: Pixels, differs: Array) -> Layers:
-    if not differs.any():
-        return [(base, 1.0)]
-    return [(base, 1.0), (album.add(np.where(differs[..., None], _opaque(picture), np.uint8(0))), 1.0)]
-
-
-def _opaque(picture: Pixels) -> Pixels:
-    """Turn a grey (H, W) or coloured (H, W, 3) picture into (H, W, 4), opaque."""
-    height, width = picture.shape[:2]
-    opaque = np.full((height, width, 4), 255, dtype=np.uint8)
-    opaque[..., :3] = picture.reshape(height, width, -1)
-    return opaque
-
-
-def _class_picture(difference: Difference) -> Pixels:
-    """Paint the class of every sample; same is transparent."""
+    side = -(-max(difference.classes.shape) // SMALL)
+    counts = np.where(np.isin(difference.classes, OTHER_OWNER), difference.classes, SampleClass.SAME)
     palette = np.zeros((len(SampleClass), 4), dtype=np.uint8)
-    for kind, colour in CLASS_COLOURS.items():
-        palette[kind] = (*colour, 255)
-    return palette[difference.classes]
+    for kind in OTHER_OWNER:
+        palette[kind] = (*CLASS_COLOURS[kind], 255)
+    picture = palette[_greatest(counts, side)]
+    covered = _greatest((difference.b.face != BACKGROUND).astype(np.uint8), side)
+    picture[(picture[..., 3] == 0) & (covered > 0)] = COVERED
+    return picture
+
+
+def _greatest(values: Pixels, side: int) -> Pixels:
+    """Return the greatest value of every square of ``side`` samples."""
+    height, width = values.shape
+    padded = np.pad(values, [(0, -height % side), (0, -width % side)])
+    greatest: Pixels = padded.reshape(-(-height // side), side, -1, side).max(axis=(1, 3))
+    return greatest

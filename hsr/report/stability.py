@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from importlib.resources import files
 from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from hsr.errors import HsrError
 from hsr.experiments.stability.family import GROUPS
 from hsr.experiments.stability.judge import FINE, Result
 from hsr.experiments.stability.plots import chart
 from hsr.experiments.stability.summary import headline, markdown, number
-from hsr.output import write_whole
-
-STYLES = ("report.css", "stability.css")
+from hsr.output import make_folder, write_whole
+from hsr.report.page import style, templates
 
 
 def write_folder(results: Sequence[Result], folder: Path) -> list[Path]:
@@ -51,20 +47,6 @@ def write_folder(results: Sequence[Result], folder: Path) -> list[Path]:
     return [folder / name for name in written]
 
 
-def make_folder(folder: Path) -> None:
-    """Make a folder if it is not there.
-
-    Raises
-    ------
-    HsrError
-        If it cannot be made.
-    """
-    try:
-        folder.mkdir(exist_ok=True)
-    except OSError as problem:
-        raise HsrError(f"{folder}: cannot make the folder: {problem.strerror}") from problem
-
-
 def page(results: Sequence[Result], charts: dict[str, str]) -> str:
     """Return the page as HTML that needs no network.
 
@@ -74,14 +56,7 @@ def page(results: Sequence[Result], charts: dict[str, str]) -> str:
     charts : dict of str to str
         SVG documents by family.
     """
-    templates = files("hsr.report").joinpath("templates")
-    environment = Environment(
-        loader=PackageLoader("hsr.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = templates()
     environment.filters["number"] = number
     return environment.get_template("stability.html").render(
         results=results,
@@ -89,5 +64,5 @@ def page(results: Sequence[Result], charts: dict[str, str]) -> str:
         headline=headline(results),
         fine=FINE,
         charts={name: Markup(svg[svg.index("<svg") :]) for name, svg in charts.items()},
-        style=Markup("".join(templates.joinpath(name).read_text(encoding="utf-8") for name in STYLES)),
+        style=style("stability.css"),
     )

@@ -103,7 +103,7 @@ class Polygons:
         """Polygon (n,) that each fan triangle comes from."""
         return self._fan[1]
 
-    @property
+    @cached_property
     def triangle_face(self) -> Ints:
         """Face (n,) that each fan triangle comes from."""
         return self.face[self.triangle_polygon]

@@ -92,6 +92,13 @@ def test_a_nearer_face_is_passed_over_or_missed(make_scene: Any) -> None:
     )
 
 
+def test_where_no_depth_is_told_none_is_compared(make_scene: Any) -> None:
+    seen = seen_by(make_scene, triangle("near", 1.0), triangle("beside", 0.0, left=1.0))
+    told = history(seen, *SAMPLE, [shown(seen, "other", 1, np.nan)])
+    assert told.entries[0].verdicts == {"other": "passed over for beside#0, whose depth is not told"}
+    assert "nan" not in str(told)
+
+
 def test_a_tie_is_right_either_way(make_scene: Any) -> None:
     seen = seen_by(make_scene, triangle("one", 0.0), triangle("other", 0.0))
     told = history(seen, *SAMPLE, [shown(seen, "zbuffer", 0), shown(seen, "raycast", 1)])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import pytest
 
@@ -10,12 +11,14 @@ import hsr
 from hsr.algorithms import exact
 from hsr.difference.cause import causes
 from hsr.errors import UnavailableError
+from hsr.testing.mistakes import MISTAKES, Renderer
 from hsr.viewing import View
 from hsr.visibility import VisibilityMap
-from tests.difference.planted import MISTAKES, VIEWS, Renderer
+from tests.difference.planted import VIEWS
 
 SHOWN_BY = {
     "pixel corner instead of centre": "soup",
+    "lower pixel corner instead of centre": "soup",
     "inclusive edges": "prism",
     "<= for <": "prism",
     "flipped y": "soup",
@@ -66,9 +69,9 @@ def test_what_opengl_rounds_does_not_excuse_a_mistake(mistake: str) -> None:
 
 
 @pytest.mark.parametrize("name", VIEWS)
-def test_the_renderer_without_a_mistake_is_right(name: str) -> None:
+def test_the_renderer_without_a_mistake_is_right(visibility: Any, name: str) -> None:
     seen, truth = problem(name)
-    assert causes(seen, Renderer().render(seen, "scanline"), truth).wrong == 0
+    visibility.agree({"renderer": Renderer().render(seen, "scanline")}, truth, scene=seen)
 
 
 @pytest.mark.parametrize("name", VIEWS)
@@ -94,8 +97,8 @@ def test_opengl_is_explained_where_it_is_modelled(name: str) -> None:
     assert found.reproduced
 
 
+@pytest.mark.visibility(allow={"input rounding", "transform", "traversal", "intersector"})
 @pytest.mark.parametrize("name", VIEWS)
-def test_embree_is_explained(name: str) -> None:
-    pytest.importorskip("embreex")
+def test_embree_is_explained(visibility: Any, name: str) -> None:
     seen, truth = problem(name)
-    assert causes(seen, hsr.render(seen, "embree"), truth).unexplained == 0
+    visibility.agree({"embree": hsr.render(seen, "embree")}, truth, scene=seen)

@@ -15,9 +15,9 @@ DEPTHS = st.floats(1.0, 2.0, exclude_max=True)
 
 @given(a=DEPTHS, b=DEPTHS, triangles=st.integers(1, 2**31 - 1))
 def test_keys_order_like_depths_and_give_them_back(a: float, b: float, triangles: int) -> None:
-    mask = np.uint64(d.depth_mask(triangles))
-    step, number = (float(~mask) + 1.0) * 2.0**-64, np.uint64(triangles - 1)
-    one, other = (np.uint64(d.key_of(np.float64(z), mask, number)) for z in (a, b))
+    mask = int(d.depth_mask(triangles))
+    step, number = (int(d.EMPTY) - mask + 1) * 2.0**-63, triangles - 1
+    one, other = (int(d.key_of(np.float64(z), mask, number)) for z in (a, b))
     if a + step < b:
         assert one < other
     assert a - step < d.depth_of(one & mask) <= a
@@ -33,16 +33,16 @@ def one_triangle(**parts: float) -> np.ndarray:
     return table
 
 
-MASK = np.uint64(d.depth_mask(8))
-WINDOW = d.Window(0, 0, 5, MASK, np.uint64(d.gap_of(MASK, 2.0**-40)))
+MASK = int(d.depth_mask(8))
+WINDOW = d.Window(0, 0, 5, MASK, int(d.gap_of(MASK, 2.0**-40)))
 
 
 def empty() -> np.ndarray:
-    return np.full((4, 5 + hs.LANES), d.EMPTY, np.uint64)
+    return np.full((4, 5 + hs.LANES), d.EMPTY, np.int64)
 
 
 def shown(keys: np.ndarray) -> list[list[int]]:
-    return np.where(keys == d.EMPTY, -1, (keys & ~MASK).astype(np.int64))[:, :5].tolist()
+    return np.where(keys == d.EMPTY, -1, keys & ~MASK)[:, :5].tolist()
 
 
 def test_a_triangle_fills_what_is_certainly_inside() -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hsr.algorithms.tiles import eye_of, mesh_of
+from hsr.algorithms.tiles import along_the_curve, eye_of, mesh_of
 from hsr.kernels import halfspaces as hs
 from hsr.kernels.projection import clip_rows
 from hsr.viewing import View
@@ -22,7 +22,7 @@ SEEDS = range(0, 120 if JIT else 24)
 
 
 def exact_vertices(view: View) -> list[Point | None]:
-    """Pixel x and y and nearness of all vertices in fractions; None at or behind the eye."""
+    """Pixel x and y and nearness of a mesh's vertices in fractions; None at or behind the eye."""
     rows = [[Fraction(float(x)) for x in row] for row in [*view.clip_from_world[[0, 1, 3]], view.depth_row]]
     found: list[Point | None] = []
     for placement in view.placements:
@@ -35,7 +35,7 @@ def exact_vertices(view: View) -> list[Point | None]:
             column, row = (1 + x / w) * view.width / 2 if w else 0, (1 - y / w) * view.height / 2 if w else 0
             nearness = (1 / d if d else 0) if view.perspective else -d
             found.append((column, row, nearness) if w > 0 else None)
-    return found
+    return [found[k] for k in along_the_curve(view.polygons.vertices, view.polygons.vertices)[0]]
 
 
 def projected(view: View) -> tuple[Any, hs.Eye, Any]:
@@ -67,7 +67,9 @@ def set_up(view: View) -> Iterator[tuple[list[Point], dict[str, float], hs.Eye]]
         name: getattr(hs, name) for name in names if getattr(hs, name) in range(0, hs.GATHERED, hs.CLUSTER)
     }
     for first in range(0, len(mesh.corner), hs.CLUSTER):
-        for i in range(hs.set_up(screen, mesh.corner, mesh.cull, first, eye, table)):
+        count = hs.gather(screen, mesh.corner, mesh.cull, first, table)
+        hs.set_up(table, count, eye)
+        for i in range(count):
             entry = {name: float(table[part + i]) for name, part in parts.items()}
             if entry["BOTTOM"] > entry["TOP"]:
                 corners = [exact[v] for v in mesh.corner[int(entry["NUMBER"])]]

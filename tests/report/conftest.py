@@ -11,7 +11,7 @@ import pytest
 import hsr
 from hsr.arrays import Array
 from hsr.difference.classes import compare
-from hsr.difference.study import Study
+from hsr.difference.study import Study, study
 from hsr.report.page import write_report
 from hsr.scene.model import Scene
 from hsr.viewing import View
@@ -78,6 +78,13 @@ def studied() -> Study:
 def studied_alone(studied: Study) -> Study:
     """The same methods without a reference."""
     return replace(studied, reference=None, differences={})
+
+
+@pytest.fixture(scope="session")
+def real(scenes: Path) -> Study:
+    """Four methods, two of them wrong at some samples, judged by the exact one."""
+    loaded = hsr.load(scenes / "cyclic.toml")
+    return study(loaded, ["backface", "scanline-d16", "zbuffer"], "exact", (96, 72), name="cyclic")
 
 
 @pytest.fixture(scope="session")

@@ -19,6 +19,6 @@ right or else below, and only surfaces that coincide in a whole neighbourhood ti
 owns. Near and far are closed.
 """
 
-from hsr.algorithms.resolve.decision import Resolved, facets_at, first_pieces, resolve
+from hsr.algorithms.resolve.decision import Resolved, facets_at, first_pieces, resolve, sights_at
 
-__all__ = ["Resolved", "facets_at", "first_pieces", "resolve"]
+__all__ = ["Resolved", "facets_at", "first_pieces", "resolve", "sights_at"]

@@ -278,19 +278,33 @@ def curved_piece(frame: Frame, thing: int, placement: Placement, part: int) -> C
     part : int
         Index of the face within the object.
     """
-    matrix = frame.matrices[thing]
-    rows = matrix[[0, 1, 2 if frame.perspective else 3]]
-    x, y, z = rows[:, :3]
-    adjugate = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=1)
-    scale = x.dot(adjugate[:, 0])
-    # The point p of the line has rows . (p, 1) = w (i, j, 1) or, in a parallel view, (i w, j w, depth).
-    fixed, none, w = -adjugate @ rows[:, 3], np.zeros(3, dtype=object), matrix[2, 3]
-    if frame.perspective:
-        origin, step = np.stack([none, none, fixed], axis=1), adjugate
-    else:
-        origin = np.stack([w * adjugate[:, 0], w * adjugate[:, 1], fixed], axis=1)
-        step = np.stack([none, none, adjugate[:, 2]], axis=1)
-    way = 1 if scale > 0 else -1
+    origin, step, scale = (numbers[0] for numbers in sights_of(frame, np.array([thing])))
     meet = SURFACES[placement.shape.kind][part]
     face = placement.first + part
-    return CurvedPiece(frame, face, placement.cull, meet, way * origin, way * step, way * scale, matrix[3])
+    return CurvedPiece(frame, face, placement.cull, meet, origin, step, scale, frame.matrices[thing, 3])
+
+
+def sights_of(frame: Frame, things: Array) -> tuple[Array, Array, Array]:
+    """Carry the lines of sight into the spaces of some objects (n,).
+
+    Returns
+    -------
+    origin, step : (n, 3, 3) object
+        Affine functions (A, B, C) of a sample's place; see :class:`Line`.
+    scale : (n,) object
+        Positive.
+    """
+    matrix = frame.matrices[things]
+    rows = matrix[:, [0, 1, 2 if frame.perspective else 3]]
+    x, y, z = np.moveaxis(rows[..., :3], 1, 0)
+    adjugate = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=2)
+    scale = (x * adjugate[..., 0]).sum(axis=1)
+    # The point p of the line has rows . (p, 1) = w (i, j, 1) or, in a parallel view, (i w, j w, depth).
+    fixed, none, w = -(adjugate @ rows[..., 3:])[..., 0], np.zeros((len(things), 3), object), matrix[:, 2, 3:]
+    if frame.perspective:
+        origin, step = np.stack([none, none, fixed], axis=2), adjugate
+    else:
+        origin = np.stack([w * adjugate[..., 0], w * adjugate[..., 1], fixed], axis=2)
+        step = np.stack([none, none, adjugate[..., 2]], axis=2)
+    way = np.where(scale > 0, 1, -1).astype(object)
+    return way[:, None, None] * origin, way[:, None, None] * step, way * scale

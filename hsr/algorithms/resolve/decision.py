@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hsr.algorithms.resolve.curved import CurvedPiece, Hit, curved_piece, root_on_plane
+from hsr.algorithms.resolve.curved import CurvedPiece, Hit, curved_piece, root_on_plane, sights_of
 from hsr.algorithms.resolve.facets import Facets, facets_of, joined
 from hsr.algorithms.resolve.frame import Frame, frame_of
 from hsr.arrays import Array, Bools, Floats, Ints
@@ -121,6 +121,26 @@ def facets_at(view: View, piece: Ints) -> tuple[Frame, Facets]:
     facets = _pieces_of(view, frame, first_pieces(view), piece).facets
     assert facets is not None, "curved pieces are no facets"
     return frame, facets
+
+
+def sights_at(view: View, things: Array) -> tuple[Frame, Array, Array, Array]:
+    """Carry the lines of sight exactly into the spaces of some objects, for methods that meet them there.
+
+    Parameters
+    ----------
+    view : View
+    things : (n,) int64
+        Indices of objects.
+
+    Returns
+    -------
+    frame : Frame
+        The integers in which the view is measured.
+    origin, step, scale
+        See :func:`hsr.algorithms.resolve.curved.sights_of`.
+    """
+    frame = frame_of(view)
+    return frame, *sights_of(frame, things)
 
 
 class Candidates(NamedTuple):

@@ -198,6 +198,10 @@ class Family:
         about = f"{self.parameter}: {value!r}; to be seen at {width}x{height} samples. {self.expected}"
         return self.scene(value, side).model_copy(update={"title": self.name, "about": about})
 
+    def knows(self, name: str) -> bool:
+        """Tell whether a name is that of a variant or of a method."""
+        return name in methods() or name in {variant.name for variant in self.variants}
+
     def contenders(self, asked: tuple[str, ...] = (), quick: bool = False) -> tuple[Variant, ...]:
         """Return who takes part: the certified methods, the family's variants, the peers.
 

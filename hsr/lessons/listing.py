@@ -1,0 +1,108 @@
+"""The listing beside a recording: the source of the functions that ran, trimmed to what ran of it."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from textwrap import dedent
+from typing import Any
+
+from hsr.lessons.interpret import python_of
+
+GAP = "…"
+"""Stands for lines that have not run."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """A function as it is written, without decorators and docstring.
+
+    Attributes
+    ----------
+    name : str
+    lines : dict of int to str
+        Its lines by their numbers in the file.
+    statement : dict of int to int
+        From the number of a line to that of the first line of its statement (of a compound one: of its head).
+        Comments, blanks and ``else:`` go with what follows them.
+    """
+
+    name: str
+    lines: dict[int, str]
+    statement: dict[int, int]
+
+
+def source_of(function: Callable[..., Any]) -> Source:
+    """Read the source of a function or kernel."""
+    text, first = inspect.getsourcelines(python_of(function))
+    tree = ast.parse(dedent("".join(text))).body[0]
+    assert isinstance(tree, ast.FunctionDef), "a listing is made of functions"
+    shift = first - 1
+    statement: dict[int, int] = {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.stmt):
+            statement |= dict.fromkeys(range(node.lineno + shift, _end(node) + shift), node.lineno + shift)
+    docstring = tree.body[0] if ast.get_docstring(tree) else None
+    dropped = range(docstring.lineno + shift, _end(docstring) + shift) if docstring else range(0)
+    lines: dict[int, str] = {}
+    for n, line in reversed(list(enumerate(dedent("".join(text)).splitlines(), first))):
+        if n >= tree.lineno + shift and n not in dropped:
+            lines[n] = line
+            if n not in statement or line.strip().startswith("#"):
+                statement[n] = statement[n + 1]
+    return Source(tree.name, dict(reversed(lines.items())), statement)
+
+
+def _end(node: ast.stmt) -> int:
+    """Return the line after a statement, or after the head of one with a body."""
+    body: list[ast.stmt] = getattr(node, "body", [])
+    return max(body[0].lineno, node.lineno + 1) if body else (node.end_lineno or node.lineno) + 1
+
+
+@dataclass(frozen=True)
+class Listing:
+    """Functions one after the other, trimmed to the statements that have run.
+
+    Attributes
+    ----------
+    text : tuple of str
+        The lines; :data:`GAP` stands for lines left out.
+    place : dict
+        From the name of a function and the first line of a statement in its file to the index of that line.
+    """
+
+    text: tuple[str, ...]
+    place: dict[tuple[str, int], int]
+
+
+def listing_of(sources: Sequence[Source], ran: Collection[tuple[str, int]]) -> Listing:
+    """Put functions together.
+
+    Parameters
+    ----------
+    sources : sequence of Source
+        Those of which nothing has run are left out.
+    ran : collection of (str, int)
+        Function and first line of every statement that has run.
+    """
+    text: list[str] = []
+    place: dict[tuple[str, int], int] = {}
+    for source in sources:
+        if not any(name == source.name for name, _ in ran):
+            continue
+        start = next(iter(source.lines))
+        shown = {n: (source.name, at) in ran or at == start for n, at in source.statement.items()}
+        text += [""] if text else []
+        for kept, run in groupby(source.lines, key=shown.__getitem__):
+            numbers = list(run)
+            if kept:
+                place |= {(source.name, n): len(text) + k for k, n in enumerate(numbers)}
+            text += [source.lines[n] for n in numbers] if kept else [_gap(source.lines[numbers[0]])]
+    return Listing(tuple(text), place)
+
+
+def _gap(line: str) -> str:
+    return line[: len(line) - len(line.lstrip())] + GAP

@@ -1,0 +1,252 @@
+"""The pytest plug-in: the fixture ``visibility``, and the results of all its checks.
+
+It is on wherever the package is installed, and costs nothing until a test asks for the fixture: only the
+standard library and pytest are imported before.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Generator, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from hsr.errors import NoOpenGLError, UnavailableError
+
+if TYPE_CHECKING:
+    from hsr.testing.recording import Visibility
+
+FIXTURE = "visibility"
+RESULTS = ".hsr-results"
+MARK = ".gitignore"
+OURS = "# results of visibility checks, written anew by every run\n*\n"
+"""What the .gitignore says in the folder of results: that it is ours to empty."""
+
+
+def _causes(text: str) -> frozenset[str]:
+    return frozenset(name.strip() for name in text.split(",") if name.strip())
+
+
+LIMITS: dict[str, tuple[Any, str]] = {
+    "max_diff_pixels": (int, "samples that may show another face"),
+    "max_diff_ratio": (float, "share of samples that may show another face"),
+    "max_cluster": (int, "samples of another face that may hang together"),
+    "depth_ulps": (float, "spacings of stored depths that depths may differ by"),
+    "allow": (_causes, "causes that are forgiven, comma separated"),
+}
+"""Each limit, how its text is read, and what it says."""
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the options, and the same keys for ini files."""
+    group = parser.getgroup("hsr", "visibility")
+    group.addoption(
+        "--hsr-update", choices=("failed", "new", "all"), default="", help="write baselines; tests still fail"
+    )
+    group.addoption("--hsr-results", metavar="DIR", help=f"folder of results, {RESULTS} by default")
+    group.addoption("--hsr-selfcheck", action="store_true", help="try every check on planted mistakes")
+    group.addoption("--hsr-require-gl", action="store_true", help="fail, not skip, where OpenGL is missing")
+    parser.addini("hsr_results", f"folder of results, {RESULTS} by default", default="")
+    parser.addini("hsr_baselines", "what baselines keep: maps, or hashes alone", default="maps")
+    for name, (_, about) in LIMITS.items():
+        group.addoption(f"--hsr-{name.replace('_', '-')}", metavar="VALUE", help=about)
+        parser.addini(f"hsr_{name}", about, default="")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Check the options; let the process that starts the others gather the results."""
+    config.addinivalue_line("markers", f"{FIXTURE}({', '.join(f'{name}=' for name in LIMITS)}): limits")
+    if config.getoption("hsr_update") and os.environ.get("CI"):
+        raise pytest.UsageError("--hsr-update is refused where CI is set: write baselines where you can look")
+    if config.getini("hsr_baselines") not in ("maps", "hashes"):
+        raise pytest.UsageError(
+            f"hsr_baselines: expected maps or hashes, got {config.getini('hsr_baselines')!r}"
+        )
+    list(_limits(config))
+    if hasattr(config, "workerinput"):
+        config.pluginmanager.register(_Worker(config), "hsr-worker")
+    else:
+        config.pluginmanager.register(_Gatherer(config), "hsr-gatherer")
+
+
+# ---------------------------------------------------------------- the fixture
+
+
+@pytest.fixture
+def visibility(request: pytest.FixtureRequest) -> Iterator[Visibility]:
+    """Check visibility by face id: ``agree``, ``equal``, ``check``, ``similar``."""
+    from hsr.testing.baselines import FOLDER
+    from hsr.testing.recording import Case, Visibility
+
+    config, test = request.config, request.node
+    markers = [("marker", mark.kwargs) for mark in test.iter_markers(FIXTURE)]
+    case = Case(
+        test.nodeid,
+        config.rootpath,
+        _results(config),
+        test.path.parent / FOLDER / test.path.stem,
+        tuple(test.nodeid.split("::")[1:]),
+        [*markers, *_limits(config)],
+        config.getoption("hsr_update"),
+        config.getini("hsr_baselines"),
+        config.getoption("hsr_selfcheck"),
+    )
+    _claim(case.results)
+    checks = Visibility(case, test.user_properties)
+    yield checks
+    checks.finish()
+
+
+def _limits(config: pytest.Config) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Yield the limits of the command line, then those of the ini file, and who says so."""
+    line = {name: config.getoption(f"hsr_{name}") for name in LIMITS}
+    file = {name: config.getini(f"hsr_{name}") for name in LIMITS}
+    for who, texts in (("command line", line), (config.inipath.name if config.inipath else "ini", file)):
+        yield who, {name: _read(who, name, text) for name, text in texts.items() if text}
+
+
+def _read(who: str, name: str, text: str) -> Any:
+    try:
+        return LIMITS[name][0](text)
+    except ValueError:
+        raise pytest.UsageError(f"{who}: {name}={text!r} is no number") from None
+
+
+def _results(config: pytest.Config) -> Path:
+    option = config.getoption("hsr_results")
+    if option:
+        return Path(config.invocation_params.dir, option).resolve()
+    return Path(config.rootpath, config.getini("hsr_results") or RESULTS).resolve()
+
+
+def _check_results(results: Path) -> None:
+    """Refuse a folder of results that holds what is not ours."""
+    if results.exists() and not results.is_dir():
+        raise pytest.UsageError(f"{results}: results need a folder, and this is a file")
+    # The mark is written before anything else, so whoever sees more sees the mark, too.
+    strange = results.is_dir() and any(not file.name.startswith(MARK) for file in results.iterdir())
+    if strange and not _ours(results):
+        raise pytest.UsageError(f"{results}: not empty, and no results of checks; name another folder")
+
+
+def _claim(results: Path) -> None:
+    """Make the folder of results and mark it as ours, whoever else does so at the same time."""
+    results.mkdir(parents=True, exist_ok=True)
+    if not _ours(results):
+        unfinished = results / f"{MARK}.{os.getpid()}"
+        unfinished.write_text(OURS, encoding="utf-8")
+        unfinished.replace(results / MARK)
+
+
+def _ours(results: Path) -> bool:
+    mark = results / MARK
+    return mark.is_file() and mark.read_text(encoding="utf-8", errors="replace") == OURS
+
+
+# ---------------------------------------------------------------- what this machine lacks
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_setup(item: pytest.Item) -> Generator[None, None, None]:
+    """Skip a test whose fixtures need what this machine lacks."""
+    yield from _skipping(item)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
+    """Skip a test that needs what this machine lacks."""
+    yield from _skipping(item)
+
+
+def _skipping(item: pytest.Item) -> Generator[None, None, None]:
+    __tracebackhide__ = True
+    try:
+        yield
+    except UnavailableError as error:
+        required = isinstance(error, NoOpenGLError) and item.config.getoption("hsr_require_gl")
+        if required or not _checks_visibility(item):
+            raise
+        pytest.skip(str(error))
+
+
+def _checks_visibility(item: pytest.Item) -> bool:
+    return FIXTURE in getattr(item, "fixturenames", ()) or item.get_closest_marker(FIXTURE) is not None
+
+
+# ---------------------------------------------------------------- the results of a run
+
+
+class _Worker:
+    """In a process that runs tests for another: tells it whether some were left out."""
+
+    def __init__(self, config: Any) -> None:
+        self._output = config.workeroutput
+        self._output["hsr_deselected"] = False
+
+    def pytest_deselected(self, items: Sequence[pytest.Item]) -> None:
+        self._output["hsr_deselected"] |= bool(items)
+
+
+class _Gatherer:
+    """In the one process that reports: gathers what the tests recorded, wherever they ran."""
+
+    def __init__(self, config: pytest.Config) -> None:
+        self._config = config
+        self._results = _results(config)
+        self._partial = any("::" in argument for argument in config.args)
+        self._outcomes: dict[str, bool] = {}
+        self._lines: list[str] = []
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_sessionstart(self) -> None:
+        """Forget the last run."""
+        _check_results(self._results)
+        if _ours(self._results) and not self._config.option.collectonly:
+            for entry in self._results.iterdir():
+                if entry.is_dir():
+                    shutil.rmtree(entry)
+                elif entry.name != MARK:
+                    entry.unlink()
+
+    def pytest_deselected(self, items: Sequence[pytest.Item]) -> None:
+        self._partial |= bool(items)
+
+    @pytest.hookimpl(optionalhook=True)
+    def pytest_testnodedown(self, node: Any) -> None:
+        """Take over what another process left out; one that died says nothing."""
+        self._partial |= getattr(node, "workeroutput", {}).get("hsr_deselected", True)
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        passed = report.passed and not hasattr(report, "wasxfail")
+        self._outcomes[report.nodeid] = self._outcomes.get(report.nodeid, True) and passed
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_sessionfinish(self, session: pytest.Session) -> None:
+        """Write the results, if there are any."""
+        if self._config.option.collectonly or not any(self._results.glob("*/*/checks.json")):
+            return
+        from hsr.testing.results import gather
+
+        whole = [] if self._partial or session.shouldstop or session.shouldfail else self._whole_modules()
+        found = gather(self._results, self._config.rootpath, whole)
+        self._lines = found.lines
+        if found.overlooked and session.exitstatus == pytest.ExitCode.OK:
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+    def pytest_terminal_summary(self, terminalreporter: Any) -> None:
+        """Say where the results are, and what no test used."""
+        if self._lines:
+            terminalreporter.section("visibility")
+            for line in self._lines:
+                terminalreporter.write_line(line)
+
+    def _whole_modules(self) -> list[Path]:
+        """Return the modules all of whose tests ran and passed: they used what they need."""
+        passed: dict[str, bool] = {}
+        for test, outcome in self._outcomes.items():
+            module = test.partition("::")[0]
+            passed[module] = passed.get(module, True) and outcome
+        return [self._config.rootpath / module for module, whole in passed.items() if whole]

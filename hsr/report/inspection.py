@@ -1,0 +1,261 @@
+"""All that the inspector knows of one scene: what is shown at every sample, and the stories of some.
+
+Most methods agree at most samples. So the map of one of them, the *base*, is kept whole, and of every other
+only the samples of another class than *same*: where it shows another face, or a depth further from the base's
+than rounding explains. Elsewhere its depths are given as those of the base.
+"""
+
+from __future__ import annotations
+
+from itertools import zip_longest
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib import colormaps
+from scipy import ndimage
+
+from hsr.arrays import Array, Floats, Ints
+from hsr.difference.cause import Causes, causes
+from hsr.difference.classes import OTHER_OWNER, Difference, SampleClass
+from hsr.difference.history import MISSED, history
+from hsr.difference.models.stages import Cause
+from hsr.difference.study import Study
+from hsr.errors import ViewError
+from hsr.report.outlines import outlines
+from hsr.report.overlays import SMALLEST, Drawn
+from hsr.report.packing import pack, pack_json
+from hsr.report.pictures import CAUSE_COLOURS, CLASS_COLOURS
+from hsr.shading import depth_span, face_colours, facing
+from hsr.visibility import BACKGROUND, VisibilityMap
+
+STORIES = 256
+"""How many samples of a scene have their history in the page: some seconds to tell, tens of kB to keep."""
+
+CLUSTERS = 200
+"""How many clusters of a method can be walked through."""
+
+FARTHEST, EMPTY = 2**14 - 2, 2**14 - 1
+"""Levels in which depths are kept for pictures: from 0 at the nearest to FARTHEST; EMPTY is no depth."""
+
+CLASS_LETTERS = " MEWDT"
+CAUSE_LETTERS = " TIRCSFADVNO?"
+"""What is written on samples zoomed in on, by class and by cause: colour is not all that tells them apart."""
+
+
+def key() -> dict[str, Any]:
+    """Return what the inspector's signs mean, the same for all scenes, as JSON values.
+
+    Returns
+    -------
+    dict
+        ``classes`` and ``causes`` by number, each with ``label``, ``letter`` and ``colour``, None for 0;
+        ``facing``: colours of front and back; ``ramp``: colours of complexity and size, from the least
+        up; ``farthest`` and ``empty``: levels of depth; ``smallest``: the power of two of size 0;
+        ``missed``: the words above faces beside the sample.
+    """
+    return {
+        "classes": [None, *(_sign(kind, CLASS_LETTERS, CLASS_COLOURS[kind]) for kind in CLASS_COLOURS)],
+        "causes": [None, *(_sign(cause, CAUSE_LETTERS, CAUSE_COLOURS[cause]) for cause in CAUSE_COLOURS)],
+        "facing": [(86, 140, 220), (214, 96, 40)],
+        "ramp": np.rint(255 * colormaps["viridis"](np.linspace(0, 1, 64))[:, :3]).astype(int).tolist(),
+        "farthest": FARTHEST,
+        "empty": EMPTY,
+        "smallest": SMALLEST,
+        "missed": MISSED,
+    }
+
+
+def _sign(kind: SampleClass | Cause, letters: str, colour: tuple[int, int, int]) -> dict[str, Any]:
+    return {"label": kind.label, "letter": letters[kind], "colour": colour}
+
+
+def inspection(study: Study) -> dict[str, Any]:
+    """Gather what the inspector shows of a study.
+
+    Parameters
+    ----------
+    study : Study
+        With one map at least.
+
+    Returns
+    -------
+    dict
+        JSON values, arrays packed by :func:`hsr.report.packing.pack`:
+
+        * ``name``, ``size`` (width, height);
+        * ``base``: place among the methods of the one whose map is whole, the reference if there is one;
+          ``judged``: whether there is;
+        * ``names`` (n,), deflated JSON, and ``colours`` (n, 3) of the faces that some method shows,
+          ascending, the background first: what ``index`` counts; ``sizes`` (n - 1,) of all but the
+          background, see :meth:`Drawn.sizes`;
+        * ``index`` (H, W) and ``depth`` (H, W): what the base shows; depth in levels of ``span``, the
+          nearest and the farthest depth;
+        * ``facing`` (1 front, 2 back) and ``complexity`` (H, W) of the base;
+        * ``edges`` of the faces that the base shows, and ``hidden`` of others in a history: ``points`` and
+          ``ends``, see :func:`outlines`;
+        * ``methods``: ``name``; ``differs``, a bit a sample in reading order, and of the samples (k,) that
+          differ from the base how much more ``index`` and ``depth`` are than those of the base, class
+          and cause; ``clusters``, each its first row and column, then its box;
+        * ``stories``: by number of the sample the parts of its history, as deflated JSON; ``told``: how
+          many; ``wanted``: how many samples differ or lie beside one that does; ``untold``: what keeps
+          histories from being told at all.
+    """
+    base = _Whole(study)
+    chosen, wanted = _order(study)
+    stories = _stories(study, chosen)
+    seen = np.unique(base.map.face[base.map.face != BACKGROUND])
+    drawn = Drawn(study.view)
+    return {
+        "name": study.name,
+        "size": [study.view.width, study.view.height],
+        "base": list(study.maps).index(base.map.method),
+        "judged": study.reference is not None,
+        "names": pack_json([base.map.name_of(face) for face in base.faces.tolist()]),
+        "colours": pack(face_colours(base.faces)),
+        "sizes": pack(drawn.sizes(base.faces[1:])),
+        "index": pack(base.index, 0),
+        "span": base.span,
+        "depth": pack(base.depth, 1, 0),
+        "facing": pack((facing(base.map, study.view) % 3).astype(np.uint8)),
+        "complexity": pack(drawn.complexity()),
+        "edges": _edges(study, seen),
+        "hidden": _edges(study, np.setdiff1d(stories.faces, seen)),
+        "methods": [_method(study, map, base) for map in study.maps.values()],
+        "stories": pack_json(stories.parts),
+        "told": len(stories.parts),
+        "wanted": wanted,
+        "untold": stories.obstacle,
+    }
+
+
+class _Whole:
+    """The base of a study, and how faces and depths are counted for the page.
+
+    Attributes
+    ----------
+    map : VisibilityMap
+    faces : (n,) int32
+        Those that some method shows, ascending, the background first.
+    span : (nearest, farthest)
+    index, depth : (H, W)
+        Place among ``faces``, and level in ``span``.
+    """
+
+    def __init__(self, study: Study) -> None:
+        self.map = study.maps[study.reference or next(iter(study.maps))]
+        shown = [np.unique(map.face) for map in study.maps.values()]
+        self.faces = np.unique(np.concatenate([[BACKGROUND], *shown])).astype(np.int32)
+        self.span = depth_span(self.map)
+        index, depth = self.of(self.map, np.arange(self.map.face.size))
+        self.index, self.depth = index.reshape(self.map.face.shape), depth.reshape(self.map.face.shape)
+
+    def of(self, map: VisibilityMap, samples: Array) -> tuple[Array, Array]:
+        """Return index and depth of the numbered samples (k,) of a map."""
+        index = np.searchsorted(self.faces, map.face.ravel()[samples])
+        narrow = np.uint16 if len(self.faces) <= 2**16 else np.uint32
+        return index.astype(narrow), _levels(map.depth.ravel()[samples], self.span)
+
+
+def _levels(depth: Floats, span: tuple[float, float]) -> Array:
+    """Share out the depths between the nearest and the farthest over the levels."""
+    nearest, farthest = span
+    extent = max(farthest - nearest, np.finfo(np.float64).tiny)
+    seen = np.isfinite(depth)
+    share = np.clip((np.where(seen, depth, nearest) - nearest) / extent, 0.0, 1.0)
+    return np.where(seen, np.rint(FARTHEST * share), EMPTY).astype(np.uint16)
+
+
+def _edges(study: Study, faces: Ints) -> dict[str, Any]:
+    points, ends = outlines(study.view, faces)
+    return {"points": pack(points), "ends": pack(ends, 0)}
+
+
+def _method(study: Study, map: VisibilityMap, base: _Whole) -> dict[str, Any]:
+    """Gather what one method shows differently."""
+    difference, why = study.differences.get(map.method), study.causes.get(map.method)
+    none = np.zeros(map.face.shape, dtype=np.uint8)
+    classes = none if difference is None else difference.classes
+    differs = (map.face != base.map.face) | (classes > SampleClass.SAME)
+    samples = np.flatnonzero(differs)
+    index, depth = base.of(map, samples)
+    clusters = () if difference is None else difference.clusters[:CLUSTERS]
+    return {
+        "name": map.method,
+        "differs": pack(np.packbits(differs)),
+        "index": pack(index - base.index.ravel()[samples]),
+        "depth": pack(depth - base.depth.ravel()[samples]),
+        "classes": pack(classes.ravel()[samples]),
+        "causes": pack((none if why is None else why.cause).ravel()[samples]),
+        "clusters": [[*cluster.sample, *cluster.box] for cluster in clusters],
+    }
+
+
+# ---------------------------------------------------------------- histories
+
+
+class Stories(NamedTuple):
+    """Histories by number of their sample, the faces in them, and what keeps them from being told."""
+
+    parts: dict[str, Any]
+    faces: Ints
+    obstacle: str
+
+
+def _stories(study: Study, samples: Array) -> Stories:
+    known = study.causes or _causes(study)
+    maps = list(study.maps.values())
+    parts: dict[str, Any] = {}
+    faces: set[int] = set()
+    try:
+        for sample in samples.tolist():
+            row, column = divmod(sample, study.view.width)
+            told = history(study.view, row, column, maps, known)
+            parts[str(sample)] = told.parts()
+            faces |= {entry.layer.face for entry in told.entries}
+    except ViewError as error:  # a view without an exact answer can still be drawn by other methods
+        return Stories({}, np.zeros(0, np.int32), str(error))
+    return Stories(parts, np.array(sorted(faces), dtype=np.int32), "")
+
+
+def _causes(study: Study) -> dict[str, Causes]:
+    """Find the causes in whole maps, where a map that knows the truth is no reference but there."""
+    truth = next((map for map in study.maps.values() if map.admissible is not None), None)
+    if truth is None:
+        return {}
+    return {name: causes(study.view, map, truth) for name, map in study.maps.items() if map is not truth}
+
+
+DIFFERING = (*OTHER_OWNER, SampleClass.TIE)
+"""The classes whose samples have a story: another face is shown."""
+
+
+def _order(study: Study) -> tuple[Array, int]:
+    """Choose the samples whose history is told.
+
+    The methods take turns: each names its clusters, the largest first, then its other samples, spread over
+    the image. Their neighbours come last.
+
+    Returns
+    -------
+    samples : (n,) int64
+        STORIES at most.
+    wanted : int
+        How many samples differ, for some method, or lie beside one that does.
+    """
+    if not study.differences:
+        return np.zeros(0, dtype=np.int64), 0
+    differs = [np.isin(difference.classes, DIFFERING) for difference in study.differences.values()]
+    turns = zip_longest(*map(_spread, study.differences.values()))
+    named = [sample for turn in turns for sample in turn if sample is not None]
+    wanted = ndimage.binary_dilation(np.logical_or.reduce(differs, axis=0), np.ones((3, 3)))
+    samples = dict.fromkeys([*named, *np.flatnonzero(wanted)[:STORIES].tolist()])
+    return np.array(list(samples)[:STORIES], dtype=np.int64), int(np.count_nonzero(wanted))
+
+
+def _spread(difference: Difference) -> list[int]:
+    """Return the first sample of each cluster, then others spread over the image; STORIES of both at most."""
+    width = difference.a.width
+    first = [row * width + column for row, column in (c.sample for c in difference.clusters[:STORIES])]
+    samples = np.flatnonzero(np.isin(difference.classes, DIFFERING))
+    spread = np.linspace(0, len(samples) - 1, min(len(samples), STORIES)).astype(np.int64)
+    return [*first, *samples[spread].tolist()]

@@ -1,0 +1,167 @@
+"""The checks as plain functions, for any test runner."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from hsr.arrays import Pixels
+from hsr.errors import CheckError, VisibilityError
+from hsr.testing.baselines import match
+from hsr.testing.judging import Judgement, judge
+from hsr.testing.limits import Limits, merged
+from hsr.testing.pictures import MIN_SIMILARITY, compared
+from hsr.testing.problems import Showing, problem_of
+from hsr.visibility import VisibilityMap
+
+CALLER = "caller"
+"""Who sets the limits that are given to a function."""
+
+
+def agreement(
+    maps: Mapping[str, VisibilityMap],
+    reference: VisibilityMap,
+    limits: Limits,
+    scene: Showing = None,
+    camera: str | None = None,
+) -> list[Judgement]:
+    """Judge every map against the reference; see :func:`assert_agree`."""
+    if not maps:
+        raise CheckError('nothing to compare: give maps by name, such as {"mine": map}')
+    problem = problem_of(scene, camera, reference)
+    return [judge(name, shown, reference, limits, problem) for name, shown in maps.items()]
+
+
+def assert_agree(
+    maps: Mapping[str, VisibilityMap],
+    reference: VisibilityMap,
+    *,
+    scene: Showing = None,
+    camera: str | None = None,
+    **limits: Any,
+) -> None:
+    """Assert that maps show what a reference shows, by face id.
+
+    Parameters
+    ----------
+    maps : mapping of str to VisibilityMap
+        By the name under which a message speaks of them.
+    reference : VisibilityMap
+        Best the exact one, ``hsr.render(scene, "exact")``: then ties are never differences.
+    scene : Scene, View, str or Path, optional
+        What all of them show; makes the truth known, and with it ties and causes.
+    camera : str, optional
+        Name of the scene's camera, its first by default.
+    **limits
+        ``max_diff_pixels``, ``max_diff_ratio``, ``max_cluster``, ``depth_ulps``, ``allow``; see
+        :class:`hsr.testing.limits.Limits`. Without any no sample may differ.
+
+    Raises
+    ------
+    VisibilityError
+        If a map breaks a limit; the message has a line for each cause.
+    MapError
+        If maps differ in size, scene or camera, so that comparing them means nothing.
+    CheckError
+        If a limit makes no sense.
+    """
+    _demand(agreement(maps, reference, merged([(CALLER, limits)]), scene, camera))
+
+
+def assert_same_visibility(
+    a: VisibilityMap,
+    b: VisibilityMap,
+    *,
+    scene: Showing = None,
+    camera: str | None = None,
+    **limits: Any,
+) -> None:
+    """Assert that two maps show the same face at every sample.
+
+    Parameters
+    ----------
+    a, b : VisibilityMap
+        ``a`` is judged against ``b``.
+    scene, camera, **limits
+        As for :func:`assert_agree`.
+
+    Raises
+    ------
+    VisibilityError
+        If a limit is broken; the message has a line for each cause.
+    MapError
+        If the maps differ in size, scene or camera, so that comparing them means nothing.
+    CheckError
+        If a limit makes no sense.
+    """
+    assert_agree({a.method: a}, b, scene=scene, camera=camera, **limits)
+
+
+def assert_matches_baseline(
+    map: VisibilityMap,
+    files: Iterable[str | Path],
+    *,
+    scene: Showing = None,
+    camera: str | None = None,
+    **limits: Any,
+) -> None:
+    """Assert that a map shows what any of several stored baselines shows.
+
+    Parameters
+    ----------
+    map : VisibilityMap
+    files : iterable of str or Path
+        Maps as ``VisibilityMap.save`` writes them, or baselines of the pytest plug-in.
+    scene, camera, **limits
+        As for :func:`assert_agree`.
+
+    Raises
+    ------
+    VisibilityError
+        If none matches, or there is none.
+    HsrError
+        If a file cannot be read or a limit makes no sense.
+    """
+    paths = [Path(file) for file in files]
+    if not paths:
+        raise VisibilityError("there is no baseline; write one with map.save(path), and look at it first")
+    problem = problem_of(scene, camera, map)
+    found = match(map.method, map, paths, merged([(CALLER, limits)]), problem)
+    if not found.passed:
+        raise VisibilityError("\n".join(found.lines))
+
+
+def assert_similar(picture: Pixels, reference: Pixels, min_similarity: float = MIN_SIMILARITY) -> None:
+    """Assert that two shaded pictures look alike: a weaker check than any by face id.
+
+    Parameters
+    ----------
+    picture, reference : (H, W) or (H, W, 3) uint8
+    min_similarity : float
+        Least structural similarity, 1 for equal pictures.
+
+    Raises
+    ------
+    VisibilityError
+        If they look less alike.
+    CheckError
+        If the pictures cannot be compared.
+    UnavailableError
+        If scikit-image is not installed.
+    """
+    alike = compared(picture, reference, min_similarity)
+    if not alike.passed:
+        raise VisibilityError(alike.text)
+
+
+def _demand(judgements: Iterable[Judgement]) -> None:
+    failed = [judgement for judgement in judgements if not judgement.passed]
+    if failed:
+        raise VisibilityError("\n".join(line for judgement in failed for line in _told(judgement)))
+
+
+def _told(judgement: Judgement) -> list[str]:
+    """Return a verdict and the command that explains its first sample, as lines."""
+    command = judgement.command(judgement.problem.file) if judgement.problem else ""
+    return [judgement.text(), *([f"  {command}"] if command else [])]

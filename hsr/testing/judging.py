@@ -1,0 +1,305 @@
+"""From two maps to a verdict: what differs, why, and which limit that breaks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from hsr.algorithms.registry import methods
+from hsr.arrays import Bools, Ints
+from hsr.difference.cause import causes, pipeline_of
+from hsr.difference.classes import OTHER_OWNER, Cluster, Difference, compare, depth_step, find_clusters
+from hsr.difference.history import history
+from hsr.difference.models.stages import Cause
+from hsr.errors import CheckError
+from hsr.testing.limits import REFERENCE_WRONG, Limits
+from hsr.testing.mistakes import MISTAKES, planted
+from hsr.testing.problems import Problem
+from hsr.visibility import BACKGROUND, VisibilityMap
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """The samples that differ for one cause.
+
+    Attributes
+    ----------
+    label : str
+        The cause, or the class of difference where no cause is known.
+    allowed : bool
+        Whether the test forgives it.
+    clusters : tuple of Cluster
+        The largest first.
+    story : str
+        What happened at the first sample, in one sentence; empty where the scene is not known.
+    """
+
+    label: str
+    allowed: bool
+    clusters: tuple[Cluster, ...]
+    story: str = ""
+
+    @property
+    def count(self) -> int:
+        """Number of samples."""
+        return sum(cluster.size for cluster in self.clusters)
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """What became of one map.
+
+    Attributes
+    ----------
+    name : str
+        How the test calls the map.
+    difference : Difference
+        From the map it was judged against.
+    groups : tuple of Group
+        By cause: those that count before those forgiven, each by falling number of samples.
+    ties : int
+        Samples with another face that may own them as well. They never count.
+    counted : int
+        Samples that count.
+    broken : tuple of str
+        The limits that are broken, in words.
+    problem : Problem or None
+    """
+
+    name: str
+    difference: Difference
+    groups: tuple[Group, ...]
+    ties: int
+    counted: int
+    broken: tuple[str, ...]
+    problem: Problem | None
+
+    @property
+    def passed(self) -> bool:
+        """Whether no limit is broken."""
+        return not self.broken
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Number of samples by cause."""
+        return {group.label: group.count for group in self.groups}
+
+    @property
+    def sample(self) -> tuple[int, int] | None:
+        """(row, column) of the sample to look at first."""
+        if self.groups:
+            return self.groups[0].clusters[0].sample
+        return self.difference.depth.where
+
+    def text(self) -> str:
+        """Return the verdict as lines for people."""
+        lines = [self._headline(), *self._group_lines()]
+        lines += [f"  limit {line}" for line in self.broken]
+        if not self.passed:
+            lines += _hint(self.difference, self.problem)
+        return "\n".join(lines)
+
+    def command(self, scene_file: str, map_file: str = "") -> str:
+        """Return the command that tells all about the first sample; empty without a scene file.
+
+        Parameters
+        ----------
+        scene_file : str
+        map_file : str
+            Where the judged map was written, if it was.
+        """
+        if self.problem is None or not scene_file or self.sample is None:
+            return ""
+        row, column = self.sample
+        shown = self.difference.a
+        words = ["hsr explain", scene_file, f"{column},{row}", f"--size {shown.width}x{shown.height}"]
+        words += [f"--camera {self.problem.camera}"] if self.problem.camera else []
+        if map_file:
+            words.append(f"--map {map_file}")
+        elif shown.method in methods():
+            words.append(f"-a {shown.method}")
+        return " ".join(words)
+
+    def _headline(self) -> str:
+        shown, expected = self.difference.a, self.difference.b
+        size = f"{shown.width}x{shown.height}"
+        forgiven = sum(group.count for group in self.groups if group.allowed)
+        parts = [f"{self.counted} samples count as different"]
+        parts += [f"{forgiven} allowed by cause"] if forgiven else []
+        parts += [f"{self.ties} ties, which never count"] if self.ties else []
+        return f"{self.name} vs {expected.method}, {size}: {', '.join(parts)}"
+
+    def _group_lines(self) -> Iterator[str]:
+        for group in self.groups:
+            number = "1 cluster" if len(group.clusters) == 1 else f"{len(group.clusters)} clusters"
+            largest = self.difference.describe(group.clusters[0])
+            yield (
+                f"  {group.label} {group.count}{' (allowed)' if group.allowed else ''}, "
+                f"{number}, the largest: {largest}"
+            )
+            if group.story:
+                yield f"    {group.story}"
+
+
+def _place(sample: tuple[int, int]) -> str:
+    return f"column {sample[1]}, row {sample[0]}"
+
+
+def judge(
+    name: str,
+    shown: VisibilityMap,
+    expected: VisibilityMap,
+    limits: Limits,
+    problem: Problem | None = None,
+) -> Judgement:
+    """Judge a map against another, by face id.
+
+    The truth is known if ``expected`` knows its ties, as a map by ``exact`` does, or if the problem is
+    given. Then samples at which both faces may be the owner are ties, and no differences; with the
+    problem given, the others are told apart by the cause that makes them wrong, see
+    :func:`hsr.difference.cause.causes`, where the method of ``shown`` has models.
+
+    Parameters
+    ----------
+    name : str
+        How the test calls the map.
+    shown : VisibilityMap
+    expected : VisibilityMap
+    limits : Limits
+    problem : Problem, optional
+        What both show.
+
+    Returns
+    -------
+    Judgement
+
+    Raises
+    ------
+    MapError
+        If the maps differ in size, scene or camera.
+    CheckError
+        If depths are to be judged that a map does not tell.
+    """
+    difference = compare(shown, expected)
+    truth = _truth(expected, problem)
+    apart, tied = _apart(difference, truth)
+    masks = _masks(difference, apart, truth, problem)
+    counted = np.zeros_like(apart)
+    for label, mask in masks.items():
+        counted |= mask & (label not in limits.allow)
+    groups = [_group(label, mask, difference, limits, problem) for label, mask in masks.items()]
+    groups.sort(key=lambda group: (group.allowed, -group.count))
+    broken = (*_broken_counts(difference, counted, limits), *_broken_depths(difference, limits))
+    ties, count = int(np.count_nonzero(tied)), int(np.count_nonzero(counted))
+    return Judgement(name, difference, tuple(groups), ties, count, broken, problem)
+
+
+# ---------------------------------------------------------------- what differs, and why
+
+
+def _truth(expected: VisibilityMap, problem: Problem | None) -> VisibilityMap | None:
+    if expected.admissible is not None:
+        return expected
+    return None if problem is None else problem.truth
+
+
+def _apart(difference: Difference, truth: VisibilityMap | None) -> tuple[Bools, Bools]:
+    """Return the samples at which the maps differ, and those at which they differ by a tie."""
+    other = difference.a.face != difference.b.face
+    if truth is None:
+        return other, np.zeros_like(other)
+    tied = other & truth.admits(difference.a.face) & truth.admits(difference.b.face)
+    return other & ~tied, tied
+
+
+def _masks(
+    difference: Difference, apart: Bools, truth: VisibilityMap | None, problem: Problem | None
+) -> dict[str, Bools]:
+    """Part the samples that differ by what makes them so: by cause if that is known, else by class."""
+    if not apart.any():
+        return {}
+    wrong = apart if truth is None else apart & ~truth.admits(difference.a.face)
+    masks = {REFERENCE_WRONG: apart & ~wrong}
+    method = methods().get(difference.a.method)
+    if truth is None or problem is None or method is None or pipeline_of(method) is None:
+        masks |= {kind.label: wrong & (difference.classes == kind) for kind in OTHER_OWNER}
+    else:
+        cause = causes(problem.view, difference.a, truth).cause
+        masks |= {kind.label: wrong & (cause == kind) for kind in Cause}
+    return {label: mask for label, mask in masks.items() if mask.any()}
+
+
+def _group(label: str, mask: Bools, difference: Difference, limits: Limits, problem: Problem | None) -> Group:
+    clusters = find_clusters(mask, difference.classes, difference.a.face, difference.b.face)
+    story = ""
+    if problem is not None:
+        wrong = difference.b if label == REFERENCE_WRONG else difference.a
+        (told,) = history(problem.view, *clusters[0].sample, [wrong]).stories
+        story = told.sentence
+    return Group(label, label in limits.allow, clusters, story)
+
+
+# ---------------------------------------------------------------- limits
+
+
+def _broken_counts(difference: Difference, counted: Bools, limits: Limits) -> Iterator[str]:
+    count = int(np.count_nonzero(counted))
+    if limits.max_diff_pixels is not None and count > limits.max_diff_pixels:
+        yield f"{limits.told('max_diff_pixels')}: {count} differ"
+    if limits.max_diff_ratio is not None and count > limits.max_diff_ratio * counted.size:
+        yield f"{limits.told('max_diff_ratio')}: {count / counted.size:.3g} of the samples differ"
+    if limits.max_cluster is not None and count:
+        largest = find_clusters(counted, difference.classes, difference.a.face, difference.b.face)[0]
+        if largest.size > limits.max_cluster:
+            yield (f"{limits.told('max_cluster')}: {largest.size} hang together at {_place(largest.sample)}")
+
+
+def _broken_depths(difference: Difference, limits: Limits) -> Iterator[str]:
+    """Compare the depths of samples at which both maps show the same face."""
+    if limits.depth_ulps is None:
+        return
+    a, b = difference.a, difference.b
+    for shown in (a, b):
+        if not shown.tells_depth:
+            raise CheckError(f"{limits.told('depth_ulps')}: the map of {shown.method} tells no depths")
+    samples = np.flatnonzero((a.face == b.face) & (a.face != BACKGROUND))
+    depth, expected = a.depth.ravel()[samples], b.depth.ravel()[samples]
+    with np.errstate(invalid="ignore"):  # infinite depths: no number, so never within a limit
+        gap = np.abs(depth - expected) / depth_step(a, depth)
+    beyond = ~(gap <= limits.depth_ulps)
+    if beyond.any():
+        place = _place(divmod(int(samples[gap.argmax()]), a.width))
+        worst = f"most at {place}, by {gap.max():.3g}"
+        yield f"{limits.told('depth_ulps')}: {beyond.sum()} depths differ, {worst}"
+
+
+# ---------------------------------------------------------------- hints
+
+UNDONE: dict[str, Callable[[Ints], Ints]] = {
+    "turned upside down": lambda face: face[::-1],
+    "mirrored": lambda face: face[:, ::-1],
+    "with every id one less": lambda face: np.where(face > BACKGROUND, face - 1, face),
+    "with every id one more": lambda face: np.where(face > BACKGROUND, face + 1, face),
+}
+"""What undoes the mistakes with which pictures of other renderers are commonly read."""
+
+
+MAX_TRIANGLES = 500
+"""In how large a view mistakes are planted to find the one that was made: a second or two."""
+
+
+def _hint(difference: Difference, problem: Problem | None) -> Iterator[str]:
+    """Name the mistake that would account for most of the differences, if one does."""
+    shown, expected = difference.a.face, difference.b.face
+    left = {words: int(np.count_nonzero(undo(shown) != expected)) for words, undo in UNDONE.items()}
+    if problem is not None and len(problem.view.tessellated().triangle_face) <= MAX_TRIANGLES:
+        for mistake in MISTAKES:
+            mistaken = planted(mistake, difference.b, problem.view).face
+            left[f"of a renderer that makes the mistake {mistake!r}"] = int(
+                np.count_nonzero(shown != mistaken)
+            )
+    words, fewest = min(left.items(), key=lambda item: item[1])
+    if 2 * fewest < np.count_nonzero(shown != expected):
+        yield f"  hint: {words}, {fewest} samples would differ"

@@ -1,0 +1,128 @@
+"""How far two maps may differ, and who said so."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from hsr.difference.classes import OTHER_OWNER
+from hsr.difference.models.stages import Cause
+from hsr.errors import CheckError
+from hsr.scene.problems import nearest
+
+REFERENCE_WRONG = "reference wrong"
+"""The cause of samples at which the judged map is right, and the map it is judged against is not."""
+
+CAUSES = (
+    *(cause.label for cause in Cause if cause),
+    *(kind.label for kind in OTHER_OWNER),
+    REFERENCE_WRONG,
+)
+"""What ``allow`` may name: causes where they are known, else classes of difference."""
+
+COUNTS = ("max_diff_pixels", "max_diff_ratio", "max_cluster")
+"""The limits of how many samples may differ. All that are set apply; with none set no sample may."""
+
+DEFAULT = "default"
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How far a map may differ from the one it is judged against.
+
+    Attributes
+    ----------
+    max_diff_pixels : int or None
+        How many samples may show another owner.
+    max_diff_ratio : float or None
+        Which share of all samples may, from 0 to 1.
+    max_cluster : int or None
+        How many of those may hang together, over sides or corners.
+    depth_ulps : float or None
+        How many spacings of the stored depths (see ``depth_step``; an ulp or up to two of a float)
+        the depths of one face may lie apart, equality included; depths are not judged by default.
+    allow : frozenset of str
+        Causes that are forgiven: samples put down to them do not count. See ``CAUSES``.
+    origin : mapping
+        Who set each limit, by its name.
+
+    Raises
+    ------
+    CheckError
+        If a limit is out of range, or a cause does not exist.
+    """
+
+    max_diff_pixels: int | None = None
+    max_diff_ratio: float | None = None
+    max_cluster: int | None = None
+    depth_ulps: float | None = None
+    allow: frozenset[str] = frozenset()
+    origin: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name in ("max_diff_pixels", "max_cluster"):
+            self._check(name, int, "a whole number from 0")
+        self._check("depth_ulps", (int, float), "a number from 0")
+        self._check("max_diff_ratio", (int, float), "a number from 0 to 1")
+        if (self.max_diff_ratio or 0.0) > 1.0:
+            raise CheckError(f"max_diff_ratio={self.max_diff_ratio}{self._by('max_diff_ratio')}: at most 1")
+        if isinstance(self.allow, str):
+            raise CheckError(f"allow={self.allow!r}{self._by('allow')}: write a set, {{{self.allow!r}}}")
+        for name in self.allow:
+            if name not in CAUSES:
+                raise CheckError(
+                    f"allow: there is no cause {name!r}{self._by('allow')}; "
+                    f"{nearest(name, CAUSES)}causes are {', '.join(CAUSES)}"
+                )
+        if all(getattr(self, name) is None for name in COUNTS):
+            object.__setattr__(self, "max_diff_pixels", 0)
+
+    def _check(self, name: str, kind: type | tuple[type, ...], expected: str) -> None:
+        value: Any = getattr(self, name)
+        if value is None:
+            return
+        number = isinstance(value, kind) and not isinstance(value, bool)
+        if not number or not value >= 0:
+            raise CheckError(f"{name}={value!r}{self._by(name)}: expected {expected}")
+
+    def _by(self, name: str) -> str:
+        return f" ({self.origin[name]})" if name in self.origin else ""
+
+    def told(self, name: str) -> str:
+        """Return a limit with who set it: ``max_cluster=4 (marker)``."""
+        return f"{name}={getattr(self, name)} ({self.origin.get(name, DEFAULT)})"
+
+
+def merged(sources: Iterable[tuple[str, Mapping[str, Any]]]) -> Limits:
+    """Put limits together from several places.
+
+    Parameters
+    ----------
+    sources : iterable of (str, mapping)
+        Who sets limits, and which by name; who comes first has precedence.
+
+    Returns
+    -------
+    Limits
+
+    Raises
+    ------
+    CheckError
+        If a limit does not exist or makes no sense.
+    """
+    values: dict[str, Any] = {}
+    origin: dict[str, str] = {}
+    for who, given in sources:
+        for name, value in given.items():
+            if name not in (*COUNTS, "depth_ulps", "allow"):
+                raise CheckError(f"{who}: there is no limit {name!r}; there are {', '.join(NAMES)}")
+            if name not in values:
+                values[name], origin[name] = value, who
+    if "allow" in values and not isinstance(values["allow"], str):
+        values["allow"] = frozenset(values["allow"])
+    return Limits(**values, origin=origin)
+
+
+NAMES = (*COUNTS, "depth_ulps", "allow")
+"""All limits."""

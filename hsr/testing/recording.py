@@ -1,0 +1,384 @@
+"""The checks of one test under pytest: judged, recorded, and raised if they fail."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from hsr.arrays import Pixels
+from hsr.errors import CheckError, VisibilityError
+from hsr.scene.model import Mesh, Scene
+from hsr.scene.writing import write_scene
+from hsr.shading import save_picture
+from hsr.testing.baselines import SUFFIXES, contents, file_stem, match, variants, write
+from hsr.testing.checks import agreement
+from hsr.testing.judging import Judgement
+from hsr.testing.limits import Limits, merged
+from hsr.testing.pictures import MIN_SIMILARITY, compared
+from hsr.testing.problems import Problem, Showing, problem_of
+from hsr.testing.selfcheck import let_through
+from hsr.visibility import VisibilityMap
+
+ITEMS = "items"
+"""Folder among the results with a JSON file and the failed maps of every test."""
+
+PAGE = "report.html"
+
+
+@dataclass(frozen=True)
+class Case:
+    """A test and the options that hold for it.
+
+    Attributes
+    ----------
+    test : str
+        Its name as pytest has it.
+    root, results, baselines : Path
+        The project's root, the results of this run, the baselines of the test's module.
+    parts : tuple of str
+        Names of its classes and function, parameters among it.
+    limits : sequence of (str, mapping)
+        Limits and who set them, the strongest first.
+    update : {"", "failed", "new", "all"}
+        Which baselines to write.
+    keep : {"maps", "hashes"}
+        What a new baseline keeps.
+    selfcheck : bool
+        Whether to try the checks that pass on planted mistakes.
+    """
+
+    test: str
+    root: Path
+    results: Path
+    baselines: Path
+    parts: tuple[str, ...]
+    limits: Sequence[tuple[str, Mapping[str, Any]]]
+    update: str
+    keep: str
+    selfcheck: bool
+
+
+@dataclass
+class Check:
+    """What became of one check, as the results tell it.
+
+    Attributes
+    ----------
+    key : str
+        Tells it from all other checks of the run.
+    name : str
+        How the test calls what it checked.
+    passed : bool
+    text : str
+        The verdict.
+    counts : dict of str to int
+        Samples that differ, by cause.
+    sample : list of 2 int or None
+        [column, row] to look at first.
+    shown, expected : str
+        Files among the results with what was shown, and what it was judged against.
+    contents : dict of str to str
+        Content hashes of what was shown.
+    baseline : str
+        File of the baseline, seen from the project's root; empty without one.
+    depths : bool
+        Whether that baseline keeps depths.
+    written : bool
+        Whether this run wrote it.
+    weaker : bool
+        Whether colours were compared, and not ids.
+    lets_pass : dict of str to int or None
+        Planted mistakes that the check overlooks, and the samples they make wrong; None if none
+        were planted.
+    """
+
+    key: str
+    name: str
+    passed: bool
+    text: str
+    counts: dict[str, int] = field(default_factory=dict)
+    sample: list[int] | None = None
+    shown: str = ""
+    expected: str = ""
+    contents: dict[str, str] = field(default_factory=dict)
+    baseline: str = ""
+    depths: bool = False
+    written: bool = False
+    weaker: bool = False
+    lets_pass: dict[str, int] | None = None
+
+
+class Visibility:
+    """Checks visibility; the fixture of that name.
+
+    Parameters
+    ----------
+    case : Case
+    properties : list of (str, object)
+        Takes what the JUnit file says of the test.
+    """
+
+    def __init__(self, case: Case, properties: list[tuple[str, object]]) -> None:
+        self._case = case
+        self._properties = properties
+        self._checks: list[Check] = []
+        self._used: set[str] = set()
+        self._stems: set[str] = set()
+        self._id = file_stem(*case.test.split("::"))
+
+    @cached_property
+    def limits(self) -> Limits:
+        """The limits that hold for this test."""
+        return merged(self._case.limits)
+
+    # ------------------------------------------------------------ checks
+
+    def agree(
+        self,
+        maps: Mapping[str, VisibilityMap],
+        reference: VisibilityMap,
+        *,
+        scene: Showing = None,
+        camera: str | None = None,
+    ) -> None:
+        """Check that maps show what a reference shows; see :func:`hsr.testing.assert_agree`.
+
+        Parameters
+        ----------
+        maps : mapping of str to VisibilityMap
+            By the name under which a message speaks of them.
+        reference : VisibilityMap
+            Best the exact one.
+        scene : Scene, View, str or Path, optional
+            What all of them show; makes the truth known.
+        camera : str, optional
+            Name of the scene's camera, its first by default.
+
+        Raises
+        ------
+        VisibilityError
+            If a map breaks a limit.
+        HsrError
+            If the check cannot be made.
+        """
+        __tracebackhide__ = True
+        found = agreement(maps, reference, self.limits, scene, camera)
+        checks = [self._judged(judgement) for judgement in found]
+        self._demand(checks)
+
+    def equal(
+        self,
+        a: VisibilityMap,
+        b: VisibilityMap,
+        *,
+        scene: Showing = None,
+        camera: str | None = None,
+    ) -> None:
+        """Check that map ``a`` shows the faces of map ``b``; otherwise like :meth:`agree`."""
+        __tracebackhide__ = True
+        self.agree({a.method: a}, b, scene=scene, camera=camera)
+
+    def check(
+        self,
+        map: VisibilityMap,
+        name: str | None = None,
+        *,
+        scene: Showing = None,
+        camera: str | None = None,
+    ) -> None:
+        """Check that a map shows what a stored baseline shows.
+
+        Parameters
+        ----------
+        map : VisibilityMap
+        name : str, optional
+            Tells several checks of one test apart.
+        scene, camera
+            As for :meth:`agree`.
+
+        Raises
+        ------
+        VisibilityError
+            If no baseline matches, or there is none.
+        HsrError
+            If a baseline cannot be read.
+        """
+        __tracebackhide__ = True
+        case = self._case
+        stem = self._stem(name)
+        called, files = name or case.parts[-1], variants(case.baselines, stem)
+        if files:
+            check, target = self._matched(called, map, files, problem_of(scene, camera, map))
+        else:
+            target = case.baselines / f"{stem}{SUFFIXES[case.keep]}"
+            check = self._new(called, False, f"{called}: there is no baseline {self._seen_from_root(target)}")
+        check.contents, check.baseline = contents(map), self._seen_from_root(target)
+        check.depths = self.limits.depth_ulps is not None
+        self._used |= {file.name for file in (*files, target)}
+        if not check.passed:
+            check.shown = check.shown or self._keep(check, "shown", map)
+        if self._wanted(bool(files), check.passed):
+            self._update(check, target, map)
+        elif not files:
+            check.text += "\n  look at what it shows, then accept it, or run with --hsr-update=new"
+        self._demand([check])
+
+    def similar(self, picture: Pixels, reference: Pixels, min_similarity: float = MIN_SIMILARITY) -> None:
+        """Check that two shaded pictures look alike: weaker than any check by face id.
+
+        Parameters
+        ----------
+        picture, reference : (H, W) or (H, W, 3) uint8
+        min_similarity : float
+            Least structural similarity, 1 for equal pictures.
+
+        Raises
+        ------
+        VisibilityError
+            If they look less alike.
+        HsrError
+            If they cannot be compared.
+        """
+        __tracebackhide__ = True
+        alike = compared(picture, reference, min_similarity)
+        check = self._new("pictures", alike.passed, alike.text)
+        check.weaker = True
+        if not alike.passed:
+            check.shown = self._file(check, "shown.png")
+            check.expected = self._file(check, "expected.png")
+            save_picture(picture, self._case.results / check.shown)
+            save_picture(reference, self._case.results / check.expected)
+        self._demand([check])
+
+    # ------------------------------------------------------------ baselines
+
+    def _stem(self, name: str | None) -> str:
+        stem = file_stem(*self._case.parts, *([name] if name is not None else []))
+        if stem in self._stems:
+            raise CheckError("two checks of one test need different names: visibility.check(map, name=...)")
+        self._stems.add(stem)
+        return stem
+
+    def _matched(
+        self, called: str, map: VisibilityMap, files: Sequence[Path], problem: Problem | None
+    ) -> tuple[Check, Path]:
+        """Compare a map with its baselines; return the verdict, and the file it is about."""
+        found = match(called, map, files, self.limits, problem)
+        if found.judgement is None:
+            return self._new(called, found.passed, "\n".join(found.lines)), found.file
+        return self._judged(found.judgement, *found.lines), found.file
+
+    def _wanted(self, stored: bool, passed: bool) -> bool:
+        """Whether this run is to write a baseline."""
+        update = self._case.update
+        return (
+            update == "all"
+            or (update == "failed" and stored and not passed)
+            or (update == "new" and not stored)
+        )
+
+    def _update(self, check: Check, target: Path, map: VisibilityMap) -> None:
+        write(target, map, check.depths)
+        check.written = True
+        check.text += f"\n  wrote {check.baseline}: look at it, then run again without --hsr-update"
+
+    # ------------------------------------------------------------ records
+
+    def finish(self) -> None:
+        """Write what became of the checks, for whoever gathers the results of the run."""
+        if not self._checks:
+            return
+        record = {
+            "hsr": 1,
+            "test": self._case.test,
+            "checks": [asdict(check) for check in self._checks],
+            "baselines": self._seen_from_root(self._case.baselines),
+            "used": sorted(self._used),
+        }
+        file = self._folder() / "checks.json"
+        file.write_text(json.dumps(record, indent=1), encoding="utf-8")
+
+    def _judged(self, judgement: Judgement, *lines: str) -> Check:
+        """Record a verdict; of a failed one keep the maps, of a passed one try planted mistakes."""
+        shown, expected = judgement.difference.a, judgement.difference.b
+        check = self._new(judgement.name, judgement.passed, "")
+        check.counts, check.contents = judgement.counts, contents(shown)
+        if judgement.sample is not None:
+            check.sample = [judgement.sample[1], judgement.sample[0]]
+        check.text = "\n".join(lines or [judgement.text()])
+        if not judgement.passed:
+            check.shown = self._keep(check, "shown", shown)
+            check.expected = self._keep(check, "expected", expected)
+            check.text += self._command(check, judgement)
+        elif self._case.selfcheck and judgement.problem is not None:
+            check.lets_pass = let_through(shown, expected, self.limits, judgement.problem)
+        return check
+
+    def _command(self, check: Check, judgement: Judgement) -> str:
+        """Return the line with the command that explains the first sample; it needs a scene file."""
+        problem = judgement.problem
+        if problem is None or problem.scene is None:
+            return ""
+        file = problem.file
+        if not file:
+            written = self._case.results / self._file(check, "scene.toml")
+            write_scene(_absolute(problem.scene), written)
+            file = self._seen_from_root(written)
+        return f"\n  {judgement.command(file, self._seen_from_root(self._case.results / check.shown))}"
+
+    def _new(self, name: str, passed: bool, text: str) -> Check:
+        check = Check(f"{self._id}/{len(self._checks) + 1}", name, passed, text)
+        self._checks.append(check)
+        return check
+
+    def _demand(self, checks: Sequence[Check]) -> None:
+        __tracebackhide__ = True
+        for check in checks:
+            words = ", ".join(f"{count} {label}" for label, count in check.counts.items())
+            verdict = f"{'passed' if check.passed else 'failed'}{': ' if words else ''}{words}"
+            self._properties.append((f"visibility {check.name}", verdict))
+            if check.shown:
+                at = "" if check.sample is None else "&x={}&y={}".format(*check.sample)
+                check.text += f"\n  {(self._case.results / PAGE).as_uri()}#check={check.key}{at}"
+        failed = [check.text for check in checks if not check.passed]
+        if failed:
+            raise VisibilityError("\n".join(failed))
+
+    # ------------------------------------------------------------ files
+
+    def _folder(self) -> Path:
+        folder = self._case.results / ITEMS / self._id
+        folder.mkdir(parents=True, exist_ok=True)
+        return folder
+
+    def _file(self, check: Check, what: str) -> str:
+        """Return the name of a file of a check, seen from the results."""
+        name = f"{check.key.rpartition('/')[2]}-{what}"
+        return (self._folder() / name).relative_to(self._case.results).as_posix()
+
+    def _keep(self, check: Check, what: str, map: VisibilityMap) -> str:
+        file = self._file(check, f"{what}.npz")
+        map.save(self._case.results / file)
+        return file
+
+    def _seen_from_root(self, file: Path) -> str:
+        return (
+            file.relative_to(self._case.root).as_posix()
+            if file.is_relative_to(self._case.root)
+            else str(file)
+        )
+
+
+def _absolute(scene: Scene) -> Scene:
+    """Return a scene that may be written anywhere: its mesh files are named from the root."""
+    things = [
+        thing.model_copy(update={"file": str((scene.folder / thing.file).resolve())})
+        if isinstance(thing, Mesh) and thing.file
+        else thing
+        for thing in scene.object
+    ]
+    return scene.model_copy(update={"object": tuple(things)})

@@ -1,0 +1,114 @@
+"""The results of a run: JSON, a page, and a summary, from what its tests recorded."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hsr.report.checks import write_page
+from hsr.testing.baselines import FOLDER
+from hsr.testing.recording import ITEMS, PAGE, Check
+
+RESULTS = "results.json"
+SUMMARY = "summary.md"
+
+MAX_SUMMARY = 900_000
+"""Bytes of a summary: GitHub refuses step summaries of more than 1 MiB."""
+
+
+@dataclass(frozen=True)
+class Gathered:
+    """What the end of a run says.
+
+    Attributes
+    ----------
+    lines : list of str
+        For the terminal.
+    overlooked : bool
+        Whether a check was tried on planted mistakes, and let one pass.
+    """
+
+    lines: list[str]
+    overlooked: bool
+
+
+def gather(folder: Path, root: Path, whole: Sequence[Path]) -> Gathered:
+    """Write ``results.json``, ``report.html`` and ``summary.md`` from what the tests of a run recorded.
+
+    Parameters
+    ----------
+    folder : Path
+        The results of the run.
+    root : Path
+        The project's root.
+    whole : sequence of Path
+        Test modules that used all the baselines they need: what they did not use is reported.
+
+    Returns
+    -------
+    Gathered
+
+    Raises
+    ------
+    HsrError
+        If a file cannot be written.
+    """
+    records = [json.loads(file.read_text(encoding="utf-8")) for file in folder.glob(f"{ITEMS}/*/checks.json")]
+    records.sort(key=lambda record: record["test"])
+    checks = [(record["test"], Check(**check)) for record in records for check in record["checks"]]
+    checks.sort(key=lambda entry: entry[1].passed)  # failed first, else in order of tests
+    unused = [file.relative_to(root).as_posix() for file in _unused(records, whole, root)]
+    run = hashlib.sha256(json.dumps(records, sort_keys=True).encode()).hexdigest()[:16]
+    told = {"hsr": 1, "run": run, "unused": unused, "tests": records}
+    (folder / RESULTS).write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+    (folder / SUMMARY).write_text(_summary(checks, unused), encoding="utf-8")
+    write_page([(test, vars(check)) for test, check in checks], run, unused, folder / PAGE)
+    return Gathered(list(_lines(checks, unused, folder)), any(check.lets_pass for _, check in checks))
+
+
+def _unused(records: Sequence[dict[str, Any]], whole: Sequence[Path], root: Path) -> list[Path]:
+    """Find baselines that no test of a whole module used, and those of modules that are no more."""
+    used = {root / record["baselines"] / name for record in records for name in record["used"]}
+    folders = {module.parent / FOLDER for module in whole}
+    kept = {module.parent / FOLDER / module.stem for module in whole}
+    for folder in folders:
+        kept |= {orphan for orphan in folder.glob("*/") if not (folder.parent / f"{orphan.name}.py").exists()}
+    files = (file for folder in kept for ending in ("npz", "json") for file in folder.glob(f"*.{ending}"))
+    return sorted(set(files) - used)
+
+
+def _lines(checks: Sequence[tuple[str, Check]], unused: Sequence[str], folder: Path) -> Iterator[str]:
+    failed = sum(not check.passed for _, check in checks)
+    yield f"{len(checks)} checks, {failed} failed: {(folder / PAGE).as_uri()}"
+    for file in unused:
+        yield f"unused baseline: {file}"
+    tried = [(test, check) for test, check in checks if check.lets_pass is not None]
+    for test, check in tried:
+        for mistake, wrong in (check.lets_pass or {}).items():
+            yield f"{test}: {check.name} would pass with the mistake {mistake!r}; wrong samples: {wrong}"
+    weak = sum(check.weaker for _, check in checks)
+    if weak:
+        yield f"{weak} of the checks compare pictures: weaker, as a wrong face may be painted alike"
+    if tried:
+        yield f"{len(tried)} of {len(checks)} checks were tried on planted mistakes; the others name no scene"
+
+
+def _summary(checks: Sequence[tuple[str, Check]], unused: Sequence[str]) -> str:
+    """Write Markdown for a step summary: failed checks in full, as far as there is room."""
+    failed = [(test, check) for test, check in checks if not check.passed]
+    parts = [f"## Visibility: {len(checks)} checks, {len(failed)} failed\n"]
+    size = 0
+    for place, (test, check) in enumerate(failed):
+        part = f"\n### {test}\n\n```\n{check.text}\n```\n"
+        size += len(part.encode())
+        if size > MAX_SUMMARY:
+            parts.append(f"\nand {len(failed) - place} more, for which there is no room here\n")
+            break
+        parts.append(part)
+    if unused:
+        parts.append("\n### Unused baselines\n\n" + "".join(f"- `{file}`\n" for file in unused))
+    return "".join(parts)

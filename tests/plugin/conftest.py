@@ -1,0 +1,34 @@
+"""The sample project is run by pytester, never collected here."""
+
+from __future__ import annotations
+
+import importlib
+import shutil
+from pathlib import Path
+
+import pytest
+
+import hsr
+from hsr.difference.cause import PIPELINES
+
+collect_ignore = ["sample"]
+
+SAMPLE = Path(__file__).parent / "sample"
+
+
+@pytest.fixture
+def project(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> pytest.Pytester:
+    """A copy of the sample project, to be run where no CI is."""
+    monkeypatch.delenv("CI", raising=False)
+    shutil.copytree(SAMPLE, pytester.path, dirs_exist_ok=True, ignore=shutil.ignore_patterns("__pycache__"))
+    pytester.makeini("[pytest]\n")
+    return pytester
+
+
+@pytest.fixture(scope="session", autouse=True)
+def everything_imported() -> None:
+    """Import beforehand what runs of pytest within a test import: after each, pytester forgets it."""
+    modules = [method.module for method in hsr.methods().values()]
+    more = ("hsr.testing.results", "hsr.testing.accepting", "hsr.cli", "skimage.metrics", "hypothesis")
+    for module in (*modules, *PIPELINES.values(), *more):
+        importlib.import_module(module)

@@ -1,0 +1,32 @@
+"""Takes apart what the page packs, in another way than the page does."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import zlib
+from typing import Any
+
+import numpy as np
+
+
+def unpack(packed: dict[str, Any]) -> Any:
+    """Return the array that was packed."""
+    data = zlib.decompress(base64.b64decode(packed["data"]))
+    array = np.frombuffer(data, packed["type"]).reshape(packed["shape"])
+    for axis in reversed(packed["axes"]):
+        array = np.cumsum(array, axis=axis, dtype=array.dtype)
+    return array
+
+
+def unpack_json(packed: str) -> Any:
+    """Return the JSON values that were packed."""
+    return json.loads(zlib.decompress(base64.b64decode(packed)))
+
+
+def scene_of(page: str, number: int = 0) -> Any:
+    """Return the data of a scene within a page."""
+    found = re.search(rf'<script type="application/json" id="data-{number}">(.*?)</script>', page, re.DOTALL)
+    assert found
+    return json.loads(found[1])

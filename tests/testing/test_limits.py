@@ -1,0 +1,52 @@
+"""Limits: what they mean together, who set them, and which are refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from hsr.errors import CheckError
+from hsr.testing.limits import Limits, merged
+
+
+def test_nothing_set_means_nothing_may_differ() -> None:
+    limits = Limits()
+    assert limits.max_diff_pixels == 0 and limits.told("max_diff_pixels") == "max_diff_pixels=0 (default)"
+
+
+@pytest.mark.parametrize("name", ["max_diff_ratio", "max_cluster"])
+def test_any_count_that_is_set_takes_the_place_of_the_default(name: str) -> None:
+    assert Limits(**{name: 1}).max_diff_pixels is None
+    assert Limits(**{name: 0}).max_diff_pixels is None
+
+
+def test_judging_depths_leaves_the_default() -> None:
+    assert Limits(depth_ulps=4).max_diff_pixels == 0
+
+
+def test_the_first_source_wins_limit_by_limit() -> None:
+    limits = merged(
+        [("marker", {"max_cluster": 2}), ("command line", {"max_cluster": 9, "max_diff_pixels": 5})]
+    )
+    assert limits.told("max_cluster") == "max_cluster=2 (marker)"
+    assert limits.told("max_diff_pixels") == "max_diff_pixels=5 (command line)"
+
+
+@pytest.mark.parametrize(
+    ("given", "complaint"),
+    [
+        ({"max_diff_pixels": -1}, "max_diff_pixels=-1 (here): expected a whole number from 0"),
+        ({"max_diff_pixels": 0.5}, "max_diff_pixels=0.5 (here): expected a whole number from 0"),
+        ({"max_cluster": True}, "max_cluster=True (here): expected a whole number from 0"),
+        ({"max_diff_ratio": 1.5}, "max_diff_ratio=1.5 (here): at most 1"),
+        ({"depth_ulps": float("nan")}, "depth_ulps=nan (here): expected a number from 0"),
+        ({"allow": "fill rule"}, "allow='fill rule' (here): write a set"),
+        ({"allow": {"vertex snaping"}}, "no cause 'vertex snaping' (here); did you mean 'vertex snapping'?"),
+        ({"max_pixels": 3}, "here: there is no limit 'max_pixels'; there are max_diff_pixels"),
+    ],
+)
+def test_what_makes_no_sense_is_told_in_a_line(given: dict[str, Any], complaint: str) -> None:
+    with pytest.raises(CheckError) as error:
+        merged([("here", given)])
+    assert complaint in str(error.value) and "\n" not in str(error.value)
