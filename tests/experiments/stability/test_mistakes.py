@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 import hsr
+from hsr.arrays import Ints
 from hsr.experiments.stability.building import central, mesh, parallel, rectangle, scene_of, wall
+from hsr.experiments.stability.family import Mistake, Variant
 from hsr.experiments.stability.mistakes import (
     Buffer,
     general_cylinders,
@@ -17,6 +19,10 @@ from hsr.experiments.stability.mistakes import (
     naive_spheres,
 )
 from hsr.viewing import View
+
+
+def shown(mistake: Mistake, view: View) -> Ints:
+    return Variant("planted", mistake=mistake).render(view).face
 
 
 def soup(perspective: bool) -> View:
@@ -30,14 +36,14 @@ def soup(perspective: bool) -> View:
 def test_without_a_mistake_the_buffer_is_right(perspective: bool) -> None:
     view = soup(perspective)
     truth = hsr.render(view, "exact")
-    assert truth.admits(Buffer()(view)).all() and (truth.face >= 0).mean() > 0.5
+    assert truth.admits(shown(Buffer(), view)).all() and (truth.face >= 0).mean() > 0.3
 
 
 def test_top_and_left_edges_own_their_samples() -> None:
     """Two triangles share the diagonal of a square whose sides lie on samples."""
     square = rectangle((-1.5, 1.5), (-1.5, 1.5), 1.0)
-    shown = Buffer()(hsr.view(scene_of(parallel(6), square), (6, 6)))
-    assert shown.tolist() == [
+    view = hsr.view(scene_of(parallel(6), square), (6, 6))
+    assert shown(Buffer(), view).tolist() == [
         [-1, -1, -1, -1, -1, -1],
         [-1, 1, 1, 1, -1, -1],
         [-1, 1, 1, 0, -1, -1],
@@ -55,18 +61,18 @@ def test_top_and_left_edges_own_their_samples() -> None:
 def test_mistakes_of_coverage_show(mistake: Buffer) -> None:
     square = rectangle((-1.5, 1.5), (-1.5, 1.5), 1.0)
     view = hsr.view(scene_of(parallel(6), square), (6, 6))
-    assert not np.array_equal(mistake(view), Buffer()(view))
+    assert not np.array_equal(shown(mistake, view), shown(Buffer(), view))
 
 
 def test_long_integers_are_right_on_the_grid() -> None:
     square = rectangle((-1.5, 1.5), (-1.5, 1.5), 1.0)
     view = hsr.view(scene_of(parallel(6), square), (6, 6))
-    assert np.array_equal(Buffer(whole=np.int64)(view), Buffer()(view))
+    assert np.array_equal(shown(Buffer(whole=np.int64), view), shown(Buffer(), view))
 
 
 def test_what_lies_on_near_is_seen_unless_the_test_is_strict() -> None:
     view = hsr.view(scene_of(central(1.0), wall(1.0, 4.0)), (4, 4))
-    assert (Buffer()(view) == 0).all() and (Buffer(after_near=True)(view) == -1).all()
+    assert (shown(Buffer(), view) == 0).all() and (shown(Buffer(after_near=True), view) == -1).all()
 
 
 def test_a_minifloat_of_5_and_10_bits_is_half_float() -> None:
@@ -87,4 +93,4 @@ def test_rays_are_right_where_nothing_is_hard(shape: str, mistake: Any) -> None:
     turn = [] if shape == "square" else [{"rotate_x": 20.0}, {"rotate_y": 30.0}]
     thing = {"shape": shape, "transform": [*turn, {"translate": [0.013, 0.017, -3.0]}]}
     view = hsr.view(scene_of(central(0.5), thing), (16, 16))
-    assert np.array_equal(mistake(view), hsr.render(view, "exact").face)
+    assert np.array_equal(shown(mistake, view), hsr.render(view, "exact").face)

@@ -32,7 +32,7 @@ FAMILY = Family(
         "J. R. Shewchuk, Adaptive Precision Floating-Point Arithmetic (1997): exact barring over- and "
         "underflow"
     ),
-    parameter="scale",
+    parameter="scale of everything",
     sweep=powers_of_two(0, 120, 8),
     scene=scene,
     variants=(

@@ -37,7 +37,7 @@ FAMILY = Family(
         "L. Kettner, K. Mehlhorn, S. Pion, S. Schirra, C. Yap, Classroom Examples of Robustness Problems in "
         "Geometric Computations (2008)"
     ),
-    parameter="zoom",
+    parameter="zoom of the window",
     sweep=powers_of_two(0, 50, 2),
     scene=scene,
     variants=(
