@@ -85,6 +85,7 @@ class Variant:
         return VisibilityMap(face, np.where(face >= 0, 0.0, np.inf), self.name)
 
 
+@dataclass(frozen=True)
 class Case:
     """One view as one variant shows it, beside the truth.
 
@@ -95,15 +96,18 @@ class Case:
         Of the parameter.
     view : View
         Tessellated if the variant knows no curved shapes.
-    truth, answer : VisibilityMap
+    truth : VisibilityMap
     variant : Variant
+    answer : VisibilityMap
+        What the variant shows.
     """
 
-    def __init__(
-        self, family: Family, value: float, seen: View, truth: VisibilityMap, variant: Variant
-    ) -> None:
-        self.family, self.value, self.view, self.truth, self.variant = family, value, seen, truth, variant
-        self.answer = variant.render(seen)
+    family: Family
+    value: float
+    view: View
+    truth: VisibilityMap
+    variant: Variant
+    answer: VisibilityMap
 
 
 def not_admissible(case: Case) -> Bools:

@@ -219,9 +219,10 @@ def _judged(problem: _Problem, variant: Variant, traced: int) -> Point:
     seen, truth = problem.truth(variant.curved)
     samples = seen.width * seen.height
     try:
-        case = Case(problem.family, problem.value, seen, truth, variant)
+        answer = variant.render(seen)
     except MethodError as refusal:
         return Point(problem.value, 0, samples, 0.0, {}, str(refusal))
+    case = Case(problem.family, problem.value, seen, truth, variant, answer)
     wrong = problem.family.wrong(case)
     count = int(np.count_nonzero(wrong))
     figure = problem.family.figure(case, wrong) if problem.family.figure else float(count)

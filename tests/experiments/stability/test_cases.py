@@ -45,3 +45,10 @@ def test_certified_methods_choose_at_ties_as_the_truth_does(family: Family) -> N
     strict = replace(family, wrong=another_choice)
     hardest = replace(strict, sweep=(family.sweep[0], *family.values(quick=True)[-2:]))
     assert [row.wrong for row in judge(hardest, asked=CERTIFIED).rows] == [0, 0]
+
+
+@pytest.mark.jit
+@pytest.mark.parametrize("name", ["box-grazing", "vertex-aimed-rays", "coplanar-overlap"])
+def test_the_same_kernels_fail_without_certification(name: str) -> None:
+    for row in judge(FAMILIES[name], quick=True, asked=("zbuffer-plain", "raycast-plain")).rows:
+        assert row.wrong > 0 and row.unexplained == 0

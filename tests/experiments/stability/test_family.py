@@ -58,6 +58,13 @@ def test_scenes_are_the_same_each_time_and_go_through_files(family: Family, tmp_
     assert again.hashes == family.view(value, QUICK_SIDE).hashes
 
 
+@pytest.mark.parametrize("family", FAMILIES.values(), ids=FAMILIES)
+def test_any_value_of_the_sweep_makes_a_scene(family: Family) -> None:
+    for k in (0, len(family.sweep) // 2, -2):
+        value = 0.37 * family.sweep[k] + 0.63 * family.sweep[k + 1]
+        assert family.view(value, QUICK_SIDE).faces > 0
+
+
 def test_the_certified_come_first_and_peers_last() -> None:
     family = family_named("fan")
     names = [variant.name for variant in family.contenders()]

@@ -13,10 +13,9 @@ from hsr.scene.model import Scene
 
 def scene(spokes: float, side: int) -> Scene:
     """Fill a disc, of which the middle lies near that of the picture, by a closed fan."""
-    random = np.random.default_rng(int(spokes))
-    angle = (np.arange(spokes) + random.uniform(0.2, 0.8, int(spokes))) * (2.0 * np.pi / spokes)
+    k, random = np.arange(int(spokes)), np.random.default_rng(int(spokes))
+    angle = (k + random.uniform(0.2, 0.8, len(k))) * (2.0 * np.pi / len(k))
     rim = 0.49 * side * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    k = np.arange(int(spokes))
     triangles = np.stack([0 * k, k + 1, (k + 1) % len(k) + 1], axis=1)
     vertices = np.insert(np.concatenate([[[0.1, 0.2]], rim]), 2, -1.0, axis=1)
     return scene_of(parallel(side), mesh(vertices, triangles))

@@ -132,6 +132,12 @@ FAMILY = Family(
         ),
         Variant("scanline-direct", None, "float64 resolves 2^-53 d^2 / near: less than any pair is apart"),
         Variant(
+            "ray t, float64",
+            None,
+            "2^-52 d: less than any pair is apart",
+            mistake=Buffer(stored=distance(np.float64)),
+        ),
+        Variant(
             "opengl",
             None,
             "q d^2 / near: D24; float32 window depth before it is as coarse",
