@@ -12,9 +12,10 @@ from hsr.scene.model import Scene
 
 def scene(off: float, _: int) -> Scene:
     """Put the left of two panels behind the near plane, the right one before it, both before a wall."""
-    panels = [
-        rectangle(x, (-0.8, 0.8), depth) for x, depth in (((-0.8, -0.1), 1.0 + off), ((0.1, 0.8), 1.0 - off))
-    ]
+    panels = []
+    for left, depth in ((-0.75, 1.0 + off), (0.125, 1.0 - off)):
+        x, y = (left * depth, (left + 0.625) * depth), (-0.75 * depth, 0.75 * depth)
+        panels.append(rectangle(x, y, depth))
     return scene_of(central(1.0), *panels, wall(2.0, 4.0))
 
 

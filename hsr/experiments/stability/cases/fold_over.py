@@ -11,18 +11,17 @@ from hsr.scene.model import Scene
 
 
 def scene(height: float, side: int) -> Scene:
-    """Join two sheets by a strip about a line of samples, its borders zigzags of half its height."""
-    x = np.linspace(-0.5 * side - 1.0, 0.5 * side + 1.0, 18)
-    zigzag = 0.25 * height * (-1.0) ** np.arange(18)
-    y = [
-        np.full(18, -float(side)),
-        0.5 - 0.5 * height + zigzag,
-        0.5 + 0.5 * height + zigzag,
-        np.full(18, side),
-    ]
-    vertices = np.stack([np.tile(x, 4), np.concatenate(y), np.full(72, -1.0)], axis=1)
-    a = (18 * np.arange(3)[:, None] + np.arange(17)).ravel()
-    triangles = [np.stack([a, a + 1, a + 19], 1), np.stack([a, a + 19, a + 18], 1)]
+    """Join two sheets by a strip about a line of samples, its borders zigzags of half its height.
+
+    Diagonals cross the line half-way between samples, and so do the sides of the strip's triangles.
+    """
+    x = np.arange(-0.5 * side - 4.0, 0.5 * side + 5.0, 4.0)
+    n, zigzag = len(x), 0.25 * height * (-1.0) ** np.arange(len(x))
+    end = np.full(n, float(side))
+    y = [-end, 0.5 - 0.5 * height + zigzag, 0.5 + 0.5 * height + zigzag, end]
+    vertices = np.stack([np.tile(x, 4), np.concatenate(y), np.full(4 * n, -1.0)], axis=1)
+    a = (n * np.arange(3)[:, None] + np.arange(n - 1)).ravel()
+    triangles = [np.stack([a, a + 1, a + n + 1], 1), np.stack([a, a + n + 1, a + n], 1)]
     return scene_of(parallel(side), mesh(vertices, np.concatenate(triangles), cull="back"))
 
 

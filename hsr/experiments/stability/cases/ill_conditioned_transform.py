@@ -6,7 +6,7 @@ import math
 
 from hsr.experiments.stability.building import central, powers_of_two, scene_of
 from hsr.experiments.stability.family import Family, Variant
-from hsr.experiments.stability.theory import U32
+from hsr.experiments.stability.theory import U32, U64
 from hsr.scene.model import Scene
 
 TURN = [[0.36, 0.48, -0.8, 0.0], [-0.8, 0.6, 0.0, 0.0], [0.48, 0.64, 0.6, 0.0], [0.0, 0.0, 0.0, 1.0]]
@@ -19,12 +19,15 @@ def scene(condition: float, _: int) -> Scene:
     return scene_of(central(1.0, None, 4.0), {"shape": "sphere", "transform": place})
 
 
-def first_wrong(side: int) -> float:
-    """Return the condition number at which the band about the outline holds a sample.
+def first_wrong(rounding: float, side: int) -> float:
+    """Return the condition number k at which the outline loses its first sample.
 
-    Rays in object space are off by ``u k``, and so is the outline, of R = 0.4 W pixels, ``2 pi R`` samples.
+    Along the flattened axis the eye is ``h k`` away, and rounding the place of the ray's point nearest to
+    the centre leaves that point ``e = u h k / 2`` outside the disc on average. Its distance grows by
+    ``e^2 / 2``, and the outline of R pixels shrinks by ``R e^2 / 2``, over ``2 pi R`` samples.
     """
-    return 1.0 / (2.0 * math.pi * (0.4 * side) ** 2 * U32)
+    eye, radius = 5.0 * TURN[2][2], 0.4 * side
+    return 2.0 / (rounding * eye * radius * math.sqrt(math.pi))
 
 
 FAMILY = Family(
@@ -32,8 +35,8 @@ FAMILY = Family(
     group="rays",
     story=(
         "A sphere is flattened to a disc, and turned. Rays are carried into its frame by the inverse "
-        "transform, which stretches what was flattened, and the rounding of the ray with it: the outline is "
-        "off by the unit roundoff times the condition number."
+        "transform, which stretches what was flattened, and with it the rounding of the point that is "
+        "nearest to the centre: the outline shrinks by the square of roundoff times condition number."
     ),
     expected="The ellipsoid inside its outline.",
     source=(
@@ -44,7 +47,7 @@ FAMILY = Family(
     sweep=powers_of_two(2, 40, 2),
     scene=scene,
     variants=(
-        Variant("raycast-woop-float32", first_wrong, "2^24 / (2 pi (0.4 W)^2)", 16.0),
-        Variant("raycast-single", lambda side: 2.0**29 * first_wrong(side), "2^53 / (2 pi (0.4 W)^2)", 16.0),
+        Variant("raycast-woop-float32", lambda side: first_wrong(U32, side), "2^25 / (h R sqrt(pi))"),
+        Variant("raycast-single", lambda side: first_wrong(U64, side), "2^54 / (h R sqrt(pi))"),
     ),
 )

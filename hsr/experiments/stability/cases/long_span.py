@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hsr.experiments.stability.building import parallel, powers_of_two, quads, scene_of
+from hsr.experiments.stability.building import mesh, parallel, powers_of_two, scene_of
 from hsr.experiments.stability.family import Family, Variant
 from hsr.scene.model import Scene
 
@@ -14,7 +14,7 @@ GAP = 64
 
 
 def scene(length: float, _: int) -> Scene:
-    """Lay two spans along every line of samples, the farther first; depth runs from about 1/2 to 9/10.
+    """Point two triangles along every line of samples, the farther first; depth runs from about 1/2 to 9/10.
 
     At the right end they come as close as the gap, by increments a step or more apart: each drifts its own
     way.
@@ -26,9 +26,8 @@ def scene(length: float, _: int) -> Scene:
         left, right = random.uniform(0.5, 0.55), random.uniform(0.85, 0.9)
         apart = gap + random.uniform(1.0, 3.0) * length * 2.0**-24
         for a, b in ((left + apart, right + gap), (left, right)):
-            low, high = y - 0.4, y + 0.4
-            corners.append([[-end, low, -a], [end, low, -b], [end, high, -b], [-end, high, -a]])
-    return scene_of(parallel(ROWS, 0.0, 1.0), quads(corners))
+            corners += [[-end, y - 0.4, -a], [end, y, -b], [-end, y + 0.4, -a]]
+    return scene_of(parallel(ROWS, 0.0, 1.0), mesh(corners, np.arange(len(corners)).reshape(-1, 3)))
 
 
 def guarded(bits: int) -> Variant:

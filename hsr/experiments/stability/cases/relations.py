@@ -24,7 +24,7 @@ def soup(side: int) -> Soup:
     """Return triangles anywhere in the picture, through each other; no corner lies on a line of samples."""
     random = np.random.default_rng(7)
     across = random.integers(-1800, 1800, (3 * COUNT, 2)) * (side / 4096.0) + 0.01
-    depth = random.integers(256, 1792, 3 * COUNT) / 1024.0
+    depth = 0.25 + random.permutation(3 * COUNT) / 64.0
     return np.column_stack([across, -depth]), np.arange(3 * COUNT, dtype=np.int32).reshape(COUNT, 3)
 
 
@@ -50,7 +50,7 @@ CHANGES: tuple[tuple[str, Callable[[Floats, Ints], Soup], Callable[[Array], Arra
     ),
     ("mirrored left and right", lambda v, t: (v * [-1.0, 1.0, 1.0], t), lambda face: face[:, ::-1]),
     ("x and y exchanged", lambda v, t: (v[:, [1, 0, 2]], t), lambda face: face[::-1, ::-1].T),
-    ("twice as far and as deep", lambda v, t: (v * [1.0, 1.0, 0.5], t), lambda face: face),
+    ("all depths halved", lambda v, t: (v * [1.0, 1.0, 0.5], t), lambda face: face),
     ("each triangle cut in two", halves, lambda face: face // 2),
 )
 """What is changed: the soup (vertices, triangles), and how its picture goes back to that of the first."""

@@ -6,33 +6,32 @@ from hsr.experiments.stability.building import mesh, powers_of_two, scene_of
 from hsr.experiments.stability.family import Family, Variant
 from hsr.scene.model import Scene
 
-REACH = 24.0
+REACH = 24.1
 
 
 def scene(zoom: float, side: int) -> Scene:  # noqa: ARG001
-    """Look at the point (1/2, 1/2) of a long diagonal edge through an ever smaller window."""
+    """Look at the point (1/2, 1/2) of a long edge of slope 1/2 through an ever smaller window."""
     matrix = [
         [zoom, 0.0, 0.0, -0.5 * zoom],
         [0.0, zoom, 0.0, -0.5 * zoom],
         [0.0, 0.0, -1.0, 0.0],
         [0.0, 0.0, 0.0, 1.0],
     ]
-    left, right = [-REACH, -REACH, 0.0], [0.7 * REACH, 0.7 * REACH, 0.0]
-    return scene_of(
-        {"type": "matrix", "matrix": matrix}, mesh([left, [0.3 * REACH, -REACH, 0.0], right], [[0, 1, 2]])
-    )
+    left, right = [0.5 - REACH, 0.5 - 0.5 * REACH, 0.0], [0.5 + REACH, 0.5 + 0.5 * REACH, 0.0]
+    triangle = mesh([left, [REACH, -REACH, 0.0], right], [[0, 1, 2]])
+    return scene_of({"type": "matrix", "matrix": matrix}, triangle)
 
 
 FAMILY = Family(
     name="tiny-grid",
     group="coverage",
     story=(
-        "A window about one point of a long diagonal edge is zoomed, until its samples are neighbouring "
-        "floats. Every second diagonal of samples lies half a step from the edge: the sign of the "
-        "orientation of three points decides, and in floats that is noise as soon as the window is smaller "
-        "than the rounding of what lies far outside."
+        "A window about one point of a long edge is zoomed, until its samples are neighbouring floats. The "
+        "nearest samples lie a quarter of a step from the edge: the sign of the orientation of three points "
+        "decides, and in floats that is noise as soon as the window is smaller than the rounding of what "
+        "lies far outside."
     ),
-    expected="The triangle below the diagonal; on it, either.",
+    expected="The triangle at the samples below its edge, the background above.",
     source=(
         "L. Kettner, K. Mehlhorn, S. Pion, S. Schirra, C. Yap, Classroom Examples of Robustness Problems in "
         "Geometric Computations (2008)"
