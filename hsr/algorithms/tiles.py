@@ -26,7 +26,7 @@ from hsr.arrays import Array, Floats, Ints
 from hsr.jit import one_by_one
 from hsr.kernels import doubts, halfspaces, hierarchy, tiles
 from hsr.kernels.bounds import nearness_of
-from hsr.kernels.halfspaces import BACK, CLUSTER, FRONT, LOOSE, Eye, U
+from hsr.kernels.halfspaces import BACK, CLUSTER, FRONT, Eye, U
 from hsr.kernels.projection import clip_rows, to_clip
 from hsr.scene.shapes import Shape
 from hsr.viewing import View, WorldPolygons
@@ -34,6 +34,9 @@ from hsr.visibility import Clock, VisibilityMap, depth_format
 
 TIE = 2.0**-36
 """Least error of a key depth, in which all that may be seen lies 0.75 apart, that counts as certain."""
+
+COARSE = 2.0**-5
+"""Greatest error that does: the farthest keys are further than twice that from the empty one."""
 
 ROOM = 64
 """Doubts of a tile for which there is room at first; a tile with more is drawn again."""
@@ -230,7 +233,7 @@ def eye_between(view: View, error: Floats, least: float, most: float) -> Eye:
     eye = eye._replace(scale=(BACK - FRONT) / apart)
     with np.errstate(over="ignore"):
         near_key, far_key = halfspaces.key_depth(near, eye), halfspaces.key_depth(far, eye)
-    return eye._replace(near=near_key, far=far_key, tie=min(max(TIE, 4.0 * slack * eye.scale), LOOSE))
+    return eye._replace(near=near_key, far=far_key, tie=min(max(TIE, 4.0 * slack * eye.scale), COARSE))
 
 
 def draw(

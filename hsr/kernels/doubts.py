@@ -126,7 +126,7 @@ def depth_of(key: int) -> float:
 @jit
 def gap_of(mask: int, tie: float) -> int:
     """Return by how much keys differ at most whose depths, each within ``tie``, may be equal."""
-    return int(tie * 2.0**64) + int(EMPTY - mask) + 1
+    return int(tie * 2.0**64) + 2 * int(EMPTY - mask) + 2
 
 
 # ---------------------------------------------------------------- drawing

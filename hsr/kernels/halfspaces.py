@@ -263,11 +263,14 @@ def set_up(table: Floats, count: int, eye: Eye) -> None:
         nearest, farthest = max(max(az, bz), cz), min(min(az, bz), cz)
         slack = nearness_error(nearest, eye) * eye.scale
         range_of_z = w * abs(z_x) + h * abs(z_y)
-        rounding = 32.0 * U * (1.0 + w * h * abs(per_area) * range_of_z)
+        rounding = 128.0 * U * (1.0 + w * h * abs(per_area) * range_of_z)
         table[Z_ERROR + i] = slack + t * (abs(z_x) + abs(z_y)) + rounding
 
         # Leave out what is not certain enough, culled, beyond near or far, or beside all samples.
-        least_z, most_z = key_depth(nearest, eye) - slack, key_depth(farthest, eye) + slack
+        least_z, most_z = key_depth(nearest, eye), key_depth(farthest, eye)
+        # The key depth of a corner rounds three times more.
+        least_z -= slack + 8.0 * U * (1.0 + abs(least_z))
+        most_z += slack + 8.0 * U * (1.0 + abs(most_z))
         table[NEAREST + i] = least_z
         table[CUT + i] = 1.0 if (least_z < eye.near) | (most_z > eye.far) else 0.0
         culled = (table[CULL + i] == (2.0 if area < 0.0 else 1.0)) & (abs(area) > bound)

@@ -134,7 +134,7 @@ def may_show(extent: Floats, eye: Eye, farthest: Floats) -> Array:
         for row in range(int(top) // CELL, (int(bottom) - 1) // CELL + 1):
             for column in range(int(left) // CELL, (int(right) - 1) // CELL + 1):
                 tile, place = farthest[row // CELLS, column // CELLS], (row % CELLS, column % CELLS)
-                seen[k] |= not extent[k, 4] - eye.tie > tile[place]
+                seen[k] |= not extent[k, 4] - 2.0 * eye.tie > tile[place]
     return seen
 
 
@@ -203,9 +203,13 @@ def reach_leaves(
                     max(nearest, screen[a, NEARNESS]), max(screen[b, NEARNESS], screen[c, NEARNESS])
                 )
         noted = extent[member["to_extent"] + k]
-        noted[0], noted[1] = samples_between(left, right, error, eye.width)
-        noted[2], noted[3] = samples_between(top, bottom, error, eye.height)
-        noted[4] = key_depth(nearest, eye) - nearness_error(nearest, eye) * eye.scale
+        noted[1] = 0.0
+        if left <= right:
+            noted[0], noted[1] = samples_between(left, right, error, eye.width)
+            noted[2], noted[3] = samples_between(top, bottom, error, eye.height)
+            noted[4] = key_depth(nearest, eye) - nearness_error(nearest, eye) * eye.scale
+        else:
+            noted[0] = eye.width
         if not (noted[0] < noted[1] and noted[2] < noted[3]):
             # What covers nothing adds nothing where extents are joined.
             noted[0], noted[1], noted[2], noted[3], noted[4] = eye.width, 0.0, eye.height, 0.0, np.inf
@@ -291,7 +295,7 @@ def cast_tile(
     for m in listed:
         counts[EXTENTS] += 1
         cells = cells_of(extent[m, 0], extent[m, 1], extent[m, 2], extent[m, 3], keys, window)
-        if is_hidden(extent[m, 4] - eye.tie, cells, keys, farthest, stale):
+        if is_hidden(extent[m, 4] - 2.0 * eye.tie, cells, keys, farthest, stale):
             continue
         if members[m]["quadric"] == NO_QUADRIC:
             cast_into_mesh(shapes, laid, members[m], keys, window, eye, farthest, stale, doubts, counts)
@@ -338,7 +342,7 @@ def cast_into_mesh(
         counts[NODES] += 1
         here = to_extent + k
         cells = cells_of(extent[here, 0], extent[here, 1], extent[here, 2], extent[here, 3], keys, window)
-        if is_hidden(extent[here, 4] - eye.tie, cells, keys, farthest, stale):
+        if is_hidden(extent[here, 4] - 2.0 * eye.tie, cells, keys, farthest, stale):
             continue
         first, count = tree[root + k, 0], tree[root + k, 1]
         if count == INNER:
