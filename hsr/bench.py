@@ -7,11 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from typer.core import TyperGroup
 
 from hsr.console import new_table, out, print_json, progress, say
 from hsr.errors import HsrError
-from hsr.options import DIFFERS, Json, Methods, Quiet, check_folder, parse_size
+from hsr.options import DIFFERS, Json, Methods, Quiet, RunByDefault, check_folder, parse_size
 from hsr.output import write_whole
 
 if TYPE_CHECKING:
@@ -24,16 +23,6 @@ SCENES = ("teapot", "menger", "solids")
 
 ALL = "all"
 """In place of the name of a method: every one there is."""
-
-
-class RunByDefault(TyperGroup):
-    """``hsr bench teapot.toml`` is ``hsr bench run teapot.toml``."""
-
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Put ``run`` before arguments that begin with no command."""
-        named = args and (args[0] in self.commands or args[0] in ctx.help_option_names)
-        parsed: list[str] = super().parse_args(ctx, args if named else ["run", *args])
-        return parsed
 
 
 bench_app = typer.Typer(

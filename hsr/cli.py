@@ -21,6 +21,7 @@ from hsr.console import err, new_table, out, print_json, print_renders, print_st
 from hsr.errors import HsrError, UnavailableError
 from hsr.options import DIFFERS, MISSING, USAGE, Json, Methods, Quiet, check_folder, parse_size
 from hsr.output import make_folder, write_whole
+from hsr.stability import stability_app
 
 if TYPE_CHECKING:
     from hsr.difference.study import Study
@@ -37,6 +38,7 @@ app = typer.Typer(
 scene_app = typer.Typer(help="Check and describe scene files.", no_args_is_help=True)
 app.add_typer(scene_app, name="scene")
 app.add_typer(bench_app, name="bench")
+app.add_typer(stability_app, name="stability")
 
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Also print work counts and clusters.")]
 Size = Annotated[str, typer.Option("--size", help="Image size in pixels, WxH or N.")]

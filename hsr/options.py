@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from hsr.errors import HsrError
 
@@ -17,6 +18,16 @@ Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no note
 Methods = Annotated[
     list[str] | None, typer.Option("--method", "-a", help="Method, repeatable; 'hsr algos' lists them.")
 ]
+
+
+class RunByDefault(TyperGroup):
+    """A group whose command ``run`` need not be named: ``hsr bench X`` is ``hsr bench run X``."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put ``run`` before arguments that begin with no command."""
+        named = args and (args[0] in self.commands or args[0] in ctx.help_option_names)
+        parsed: list[str] = super().parse_args(ctx, args if named else ["run", *args])
+        return parsed
 
 
 def parse_size(text: str) -> tuple[int, int]:

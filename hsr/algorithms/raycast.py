@@ -179,7 +179,7 @@ def cast_by_list(view: View, options: Options, samples: Array) -> Ints:
     (n,) int32
         Face ids, -1 for the background.
     """
-    plain = replace(options, acceleration="none", slabs="robust")
+    plain = replace(options, acceleration="none", certified=True, slabs="robust")  # no tiles, no doubts
     camera, data, way = _camera(view), _data(view, _shapes(view), plain), _way(plain)
     face = np.empty(len(samples), np.int32)
     for k, (row, column) in enumerate(zip(*np.divmod(samples, view.width), strict=True)):

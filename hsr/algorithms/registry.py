@@ -82,6 +82,7 @@ SCANLINE = "hsr.algorithms.scanline"
 BUILT_IN = (
     Method("exact", "exact arithmetic: the truth, and every tie", "hsr.algorithms.exact", {}, True),
     Method("backface", "back-face culling alone: what is left, in file order", "hsr.algorithms.backface"),
+    Method("painter", "polygons painted back to front by their farthest corner", "hsr.algorithms.painter"),
     Method("scanline", "depth buffer, incremental scan conversion, float64", SCANLINE),
     Method(
         "scanline-direct",

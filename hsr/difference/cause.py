@@ -28,6 +28,7 @@ PIPELINES = {
     "hsr.algorithms.backface": "hsr.difference.models.backface",
     "hsr.algorithms.embree": "hsr.difference.models.embree",
     "hsr.algorithms.opengl": "hsr.difference.models.opengl",
+    "hsr.algorithms.painter": "hsr.difference.models.painter",
     "hsr.algorithms.raycast": "hsr.difference.models.raycast",
     "hsr.algorithms.tiles": "hsr.difference.models.tiles",
     "hsr.algorithms.scanline": "hsr.difference.models.scanline",

@@ -71,7 +71,7 @@ def test_same_input_same_map(method: Method, make_scene: Any) -> None:
 
 
 def test_unknown_method_lists_the_known_ones(make_scene: Any) -> None:
-    with pytest.raises(MethodError, match="no method is named 'zbufer'; there are exact, backface, scanline"):
+    with pytest.raises(MethodError, match="no method is named 'zbufer'; there are exact, backface, painter"):
         hsr.render(make_scene(CUBE), "zbufer")
 
 

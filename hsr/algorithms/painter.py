@@ -1,0 +1,83 @@
+"""The painter's algorithm: what is farther is painted first, and what is nearer over it.
+
+Polygons are sorted by their farthest corner and painted back to front, without a depth buffer. That is the
+first step of Newell, Newell and Sancha's depth sort ("A solution to the hidden surface problem",
+Proceedings of the ACM Annual Conference, 1972) without its tests and without its splitting: an exhibit of
+what depth buffers made unnecessary. No order is right where polygons penetrate or overlap in a cycle, and the
+farthest corners need not tell the right one where there is one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hsr.algorithms import scanline
+from hsr.algorithms.backface import PAINT
+from hsr.arrays import Floats, Ints
+from hsr.kernels.projection import clip_rows, to_clip
+from hsr.kernels.scanline import ALWAYS
+from hsr.scene.shapes import Kind, Polygons, Shape
+from hsr.viewing import Placement, View, WorldPolygons
+from hsr.visibility import Clock, VisibilityMap
+
+
+@dataclass(frozen=True)
+class Options:
+    """There is nothing to choose."""
+
+
+def render(view: View, options: Options) -> VisibilityMap:  # noqa: ARG001
+    """Sort polygons by depth and paint them over each other.
+
+    Parameters
+    ----------
+    view : View
+        Curved shapes are tessellated; polygons are clipped and culled as the depth buffer does it.
+    options : Options
+
+    Returns
+    -------
+    VisibilityMap
+        Of polygons with equally far corners the lower face id is painted first. Each sample shows what was
+        painted there last, with its depth. ``work``: ``polygons``.
+    """
+    clock = Clock()
+    with clock("prepare"):
+        polygons = view.tessellated().polygons
+        clip = to_clip(polygons.vertices, clip_rows(view.clip_from_world, view.depth_row))
+    with clock("sort"):
+        order = back_to_front(clip, polygons)
+    with clock("render"):
+        face, depth, _, _ = scanline.scan_polygons(
+            _in_order(view, polygons, order), clip, polygons.cull[order], PAINT, ALWAYS
+        )
+    return VisibilityMap(face, depth, "painter", {"polygons": len(polygons)}, clock.seconds)
+
+
+def back_to_front(clip: Floats, polygons: Polygons) -> Ints:
+    """Return the polygons (P,), that with the farthest corner first.
+
+    Parameters
+    ----------
+    clip : (V, 3) float64
+        The vertices in clip space; the third coordinate is the depth.
+    polygons : Polygons
+    """
+    farthest = np.maximum.reduceat(clip[polygons.corner, 2], polygons.start[:-1])
+    return np.argsort(-farthest, kind="stable").astype(np.int32)
+
+
+def _in_order(view: View, polygons: WorldPolygons, order: Ints) -> View:
+    """Return a view of the same polygons in another order."""
+    loops = [polygons.corner[polygons.start[k] : polygons.start[k + 1]] for k in order]
+    sorted_polygons = Polygons(
+        polygons.vertices,
+        np.concatenate(loops),
+        np.cumsum([0, *map(len, loops)]).astype(np.int32),
+        polygons.face[order],
+    )
+    shape = Shape(Kind.MESH, "mesh", sorted_polygons)
+    everything = Placement("", shape, np.eye(4), 0, 0, False, (0.0, 0.0, 0.0))
+    return replace(view, placements=(everything,))

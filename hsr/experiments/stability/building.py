@@ -1,0 +1,86 @@
+"""Cameras and things from which hard cases are built: small whole numbers, so that ties are exact."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hsr.scene.model import Scene
+
+Thing = dict[str, Any]
+
+
+def powers_of_two(first: int, last: int, step: int = 1) -> tuple[float, ...]:
+    """Return ``2**first`` to ``2**last``, both included, in steps of so many octaves."""
+    towards = step if last >= first else -step
+    return tuple(2.0**k for k in range(first, last + (1 if last >= first else -1), towards))
+
+
+def parallel(height: float, near: float = 0.0, far: float = 2.0) -> Thing:
+    """Return a camera at the origin that looks along -z; one unit is a pixel if it is as high as the picture.
+
+    The sample of row r, column c lies at ``x = c + 1/2 - width / 2``, ``y = height / 2 - r - 1/2``.
+    """
+    placed = {"type": "orthographic", "eye": [0.0, 0.0, 0.0], "target": [0.0, 0.0, -1.0]}
+    return {**placed, "height": float(height), "near": near, "far": far}
+
+
+def central(near: float = 1.0, far: float | None = None, zoom: float = 1.0) -> Thing:
+    """Return an eye at the origin that looks along -z; at depth d the picture is ``2 d / zoom`` units wide.
+
+    Near and far are read off the matrix exactly if there is no far plane, or ``far - near`` is a power of
+    two.
+    """
+    a, b = -1.0, -2.0 * near
+    if far is not None:
+        a, b = -(far + near) / (far - near), b * far / (far - near)
+    matrix = [[zoom, 0.0, 0.0, 0.0], [0.0, zoom, 0.0, 0.0], [0.0, 0.0, a, b], [0.0, 0.0, -1.0, 0.0]]
+    return {"type": "matrix", "matrix": matrix}
+
+
+def moved(camera: Thing, x: float, y: float, z: float) -> Thing:
+    """Return a matrix camera moved by a vector; its constants are rounded once."""
+    matrix = np.array(camera["matrix"])
+    matrix[:, 3] -= matrix[:, :3] @ [x, y, z]
+    return camera | {"matrix": matrix.tolist()}
+
+
+def mesh(vertices: ArrayLike, faces: ArrayLike, **keys: Any) -> Thing:
+    """Return a mesh of vertices (V, 3) and triangles (n, 3)."""
+    corners, triangles = np.asarray(vertices, np.float64), np.asarray(faces)
+    return {"shape": "mesh", "vertices": corners.tolist(), "faces": triangles.tolist(), **keys}
+
+
+def quads(corners: ArrayLike, **keys: Any) -> Thing:
+    """Return a mesh of quadrangles (n, 4, 3), each two triangles along its first diagonal."""
+    vertices = np.asarray(corners, np.float64).reshape(-1, 3)
+    first = np.arange(0, len(vertices), 4)[:, None]
+    return mesh(vertices, (first + np.array([[0, 1, 2, 0, 2, 3]])).reshape(-1, 3), **keys)
+
+
+def rectangle(x: Sequence[float], y: Sequence[float], depth: float, **keys: Any) -> Thing:
+    """Return a mesh of one rectangle ``[x0, x1] x [y0, y1]`` across the view axis."""
+    (x0, x1), (y0, y1) = x, y
+    z = -depth
+    return quads([[[x0, y0, z], [x1, y0, z], [x1, y1, z], [x0, y1, z]]], **keys)
+
+
+def panel(x: Sequence[float], y: Sequence[float], depth: float) -> Thing:
+    """Return a rectangle ``[x0, x1] x [y0, y1]`` across the view axis as a single face."""
+    half = [0.5 * (x[1] - x[0]), 0.5 * (y[1] - y[0]), 1.0]
+    middle = [0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1]), -depth]
+    return {"shape": "square", "transform": [{"scale": half}, {"translate": middle}]}
+
+
+def wall(depth: float, reach: float) -> Thing:
+    """Return a square face across the view axis, so large that it fills the picture."""
+    return {"shape": "square", "transform": [{"scale": reach}, {"translate": [0.0, 0.0, -depth]}]}
+
+
+def scene_of(camera: Thing, *things: Mapping[str, Any], segments: int = 24) -> Scene:
+    """Return a scene of these things, named in turn."""
+    named = [{"name": f"{thing['shape']} {k}", **thing} for k, thing in enumerate(things)]
+    return Scene.model_validate({"camera": [camera], "object": named, "segments": segments})

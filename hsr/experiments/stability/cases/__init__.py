@@ -1,0 +1,1 @@
+"""The families, one a module: each has a ``FAMILY``."""

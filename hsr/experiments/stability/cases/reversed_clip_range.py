@@ -1,0 +1,66 @@
+"""Reversed depth with and without the clip range [0, 1]."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hsr.experiments.stability import theory
+from hsr.experiments.stability.building import central, powers_of_two, quads, scene_of
+from hsr.experiments.stability.family import Family, Variant
+from hsr.experiments.stability.mistakes import Buffer, reversed_through_ndc
+from hsr.scene.model import Scene
+
+NEAR, FAR, DEPTH = 1.0, 65537.0, 1000.0
+
+
+def scene(part: float, _: int) -> Scene:
+    """Hang eight pairs of strips side by side, the farther first, each pair a little nearer than the last."""
+    left = np.linspace(-1.0, 1.0, 8, endpoint=False)
+    corners = []
+    for x, depth in zip(left, DEPTH * (1.0 - 0.011 * np.arange(8)), strict=True):
+        strip = np.array([[x, -1.0, -1.0], [x + 0.25, -1.0, -1.0], [x + 0.25, 1.0, -1.0], [x, 1.0, -1.0]])
+        corners += [depth * (1.0 + part) * strip, depth * strip]
+    return scene_of(central(NEAR, FAR), quads(corners))
+
+
+FAMILY = Family(
+    name="reversed-clip-range",
+    group="depth",
+    story=(
+        "Floats are dense near 0, so a reversed buffer, 1 at near and 0 at far, spends them where window "
+        "depth is crowded. OpenGL's normalised depth runs from -1 to 1: adding 1 and halving rounds "
+        "everything at the spacing of numbers near 1 first, and what reversing has gained is lost again."
+    ),
+    expected="The nearer strip of every pair.",
+    source="N. Reed, Depth Precision Visualized (2015); OpenGL extension ARB_clip_control",
+    parameter="separation over distance, at 1000 times the near distance",
+    sweep=powers_of_two(-2, -28, 2),
+    scene=scene,
+    variants=(
+        Variant("D16", theory.integers(16, DEPTH, NEAR, FAR) / DEPTH, "q d / near", 4.0, "scanline-d16"),
+        Variant("D24", theory.integers(24, DEPTH, NEAR, FAR) / DEPTH, "q d / near", 4.0, "scanline-d24"),
+        Variant(
+            "D32F",
+            theory.float_window(DEPTH, NEAR, FAR) / DEPTH,
+            "2^-24 d / near",
+            4.0,
+            "scanline-direct",
+            {"depth_format": "d32f"},
+        ),
+        Variant(
+            "D32F reversed in [0, 1]",
+            theory.float_reversed(DEPTH, NEAR, FAR) / DEPTH,
+            "2^-23 at most",
+            4.0,
+            "scanline-d32f-reversed",
+            {"stepping": "direct"},
+        ),
+        Variant(
+            "D32F reversed in [-1, 1]",
+            theory.reversed_through_ndc(DEPTH, NEAR, FAR) / DEPTH,
+            "2^-25 d / near",
+            mistake=Buffer(stored=reversed_through_ndc),
+        ),
+        Variant("opengl", theory.integers(24, DEPTH, NEAR, FAR) / DEPTH, "q d / near, as D24"),
+    ),
+)

@@ -1,0 +1,47 @@
+"""Upright slats before level slats, ever more of them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hsr.experiments.stability.building import panel, parallel, powers_of_two, scene_of
+from hsr.experiments.stability.family import Family, Variant
+from hsr.scene.model import Scene
+
+
+def scene(count: float, side: int) -> Scene:
+    """Hang as many upright slats before as many level ones; slats and gaps are equally wide."""
+    k, pitch, end = int(count), side / count, 0.5 * side
+    start = -end + (np.arange(k) + np.random.default_rng(k).uniform(0.3, 0.8, k)) * pitch
+    upright = [panel((a, a + 0.5 * pitch), (-end, end), 1.0) for a in start.tolist()]
+    level = [panel((-end, end), (a, a + 0.5 * pitch), 1.5) for a in start.tolist()]
+    return scene_of(parallel(side), *upright, *level)
+
+
+def first_wrong(bits: int) -> float:
+    """Return the slats at which snapping is expected to cost the first column of samples.
+
+    Half of the 4 k edges are moved over a sample's column or line with probability ``2^-(b+1)``.
+    """
+    return 2.0 ** (bits - 1)
+
+
+FAMILY = Family(
+    name="slats",
+    group="order",
+    story=(
+        "k upright slats hang before k level ones, so that k + k (k + 1) pieces are seen: as many as the "
+        "square of the number of faces, the most there can be. The more edges there are, the more of them "
+        "pass so close to a line of samples that snapping carries them over it."
+    ),
+    expected="An upright slat, else a level one, else the background.",
+    source="M. McKenna, Worst-Case Optimal Hidden-Surface Removal (ACM Transactions on Graphics 6, 1987)",
+    parameter="number of slats each way",
+    sweep=powers_of_two(1, 9),
+    scene=scene,
+    variants=(
+        Variant("scanline-snap-4", first_wrong(4), "2^(b-1) slats", 8.0),
+        Variant("scanline-snap-8", first_wrong(8), "2^(b-1) slats", 8.0),
+        Variant("opengl", first_wrong(8), "2^(b-1) slats", 8.0),
+    ),
+)

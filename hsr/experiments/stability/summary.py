@@ -1,0 +1,60 @@
+"""The results as a matrix of cells, and as lines for a README."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from hsr.experiments.stability.family import CERTIFIED
+from hsr.experiments.stability.judge import Result, Row, Verdict
+
+INSTRUCTIVE = (
+    ("parallel-pair", "D24"),
+    ("parallel-pair", "D32F reversed"),
+    ("triangle-separation", "D24, 8 bits"),
+    ("composed-matrix", "opengl"),
+    ("long-span", "scanline-float32"),
+    ("t-junction", "scanline-snap-8"),
+    ("vertex-aimed-rays", "raycast-moller-trumbore"),
+    ("distant-sphere", "naive float32"),
+    ("cyclic-overlap", "painter"),
+    ("integer-overflow", "int32"),
+)
+"""The family and the variant of the ten rows that teach most."""
+
+HEADINGS = ("variant", "wrong", "mostly by", "unexplained", "predicted", "measured", "verdict")
+
+
+def cells(row: Row) -> tuple[str, ...]:
+    """Return what stands under ``HEADINGS``."""
+    mostly = max(row.causes, key=lambda cause: row.causes[cause], default="")
+    broken = (number(row.predicted), number(row.measured))
+    return (row.variant, f"{row.wrong:,}", mostly, f"{row.unexplained:,}", *broken, str(row.verdict))
+
+
+def number(value: float | None) -> str:
+    """Write a value of a parameter in three figures; ``-`` if there is none."""
+    return "-" if value is None else f"{value:.3g}"
+
+
+def headline(results: Sequence[Result]) -> str:
+    """Sum up in one sentence: families, rows, verdicts, and what certified methods got wrong."""
+    rows = [row for result in results for row in result.rows]
+    counts = [f"{sum(row.verdict == verdict for row in rows)} {verdict}" for verdict in Verdict]
+    certified = sum(row.wrong for row in rows if row.variant in CERTIFIED)
+    unexplained = sum(row.unexplained for row in rows)
+    return (
+        f"{len(results)} {'family' if len(results) == 1 else 'families'}, {len(rows)} rows: "
+        f"{', '.join(counts)}; certified methods: {certified} wrong samples; {unexplained} unexplained"
+    )
+
+
+def markdown(results: Sequence[Result]) -> str:
+    """Write the ten most instructive rows, as far as they are among the results, as a Markdown table."""
+    found = {(result.family.name, row.variant): (result, row) for result in results for row in result.rows}
+    table = ["| hard case | what is swept | variant | theory | predicted | measured | certified, wrong |"]
+    table.append("|---|---|---|---|---:|---:|---:|")
+    for result, row in (found[key] for key in INSTRUCTIVE if key in found):
+        certified = sum(other.wrong for other in result.rows if other.variant in CERTIFIED)
+        facts = (row.variant, row.because, number(row.predicted), number(row.measured), str(certified))
+        table.append(f"| {' | '.join((result.family.name, result.family.parameter, *facts))} |")
+    return "\n".join(table)
