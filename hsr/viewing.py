@@ -191,7 +191,7 @@ class View:
         Raises
         ------
         ViewError
-            If a shape is curved; use ``view.tessellated().polygons``.
+            If a shape is curved; use ``view.tessellated().polygons``. If a vertex overflows.
         """
         return _join([_in_world(placement) for placement in self.placements])
 
@@ -316,7 +316,12 @@ def _in_world(placement: Placement) -> WorldPolygons:
     if polygons is None:
         raise ViewError(f"object {placement.name!r} is curved; use view.tessellated()")
     matrix = placement.world_from_object
-    vertices = polygons.vertices @ matrix[:3, :3].T + matrix[:3, 3]
+    with np.errstate(over="ignore", invalid="ignore"):
+        vertices = polygons.vertices @ matrix[:3, :3].T + matrix[:3, 3]
+    if not np.isfinite(vertices).all():
+        raise ViewError(
+            f"object {placement.name!r}: its vertices overflow float64 in world space; scale it down"
+        )
     corner = reversed_loops(polygons) if placement.mirrored else polygons.corner
     cull = np.full(len(polygons), placement.cull, dtype=np.int8)
     return WorldPolygons(vertices, corner, polygons.start, polygons.face + np.int32(placement.first), cull)

@@ -151,6 +151,13 @@ def test_tessellated_polygons_keep_the_face_of_their_surface(make_scene: Any) ->
         _ = view.polygons
 
 
+def test_vertices_beyond_float64_in_world_space_are_refused(make_scene: Any) -> None:
+    wide = {"name": "wide", "shape": "mesh", "vertices": (np.eye(3) * 1e90).tolist(), "faces": [[0, 1, 2]]}
+    thing = {**wide, "transform": [{"scale": [1e220] * 3}]}
+    with pytest.raises(ViewError, match=r"^object 'wide': its vertices overflow float64 in world space; "):
+        _ = hsr.view(make_scene([thing])).polygons
+
+
 def test_triangles_carry_the_face_of_their_polygon(make_scene: Any) -> None:
     view = hsr.view(make_scene([{"name": "sheet", "shape": "square"}, CUBE]))
     assert view.triangles.shape == (14, 3, 3)
