@@ -154,14 +154,20 @@ def morton_codes(low: Floats, high: Floats) -> Array:
 
 @jit
 def cells_in(length: float) -> float:
-    """Return how many cells of the curve there are to a unit, if so long a range has all."""
-    return CELLS / length if length > 0.0 else 0.0
+    """Return how many cells of the curve there are to a unit, if so long a range has all.
+
+    A range so short that this might overflow is as good as none.
+    """
+    return CELLS / length if length > 1e-300 else 0.0
 
 
 @jit
 def code_of(place: float) -> np.uint32:
-    """Return every third bit of the Morton code of a place along an axis, counted in cells."""
-    return spread(np.uint32(min(place, CELLS - 1.0)))
+    """Return every third bit of the Morton code of a place along an axis, counted in cells.
+
+    What overflowed, and is not a number, counts as the last cell.
+    """
+    return spread(np.uint32(min(CELLS - 1.0, place)))
 
 
 @jit

@@ -63,6 +63,12 @@ def test_codes_run_along_the_morton_curve():
     assert int(hierarchy.spread(np.uint32(0b1011))) == 0b001000001001
 
 
+def test_a_row_too_short_to_divide_by_is_as_good_as_none():
+    row = np.arange(-16.0, 16.0)[:, None] * [1e-310, 0.0, 1.0]
+    none = row * [0.0, 0.0, 1.0]
+    assert (hierarchy.morton_codes(row, row) == hierarchy.morton_codes(none, none)).all()
+
+
 def test_boxes_of_triangles():
     vertices = np.array([[0.0, 5.0, 1.0], [2.0, 3.0, -1.0], [1.0, 4.0, 0.0]])
     low, high = hierarchy.boxes_of(vertices, np.array([[0, 1, 2]], np.int32))
