@@ -18,7 +18,7 @@ from hsr.algorithms.loose import w_at_depth_1
 from hsr.algorithms.resolve import sights_at
 from hsr.arrays import Array, Floats
 from hsr.kernels.curved import CULL_BACK, CULL_FRONT, QUADRIC
-from hsr.kernels.halfspaces import Eye
+from hsr.kernels.halfspaces import ANYWHERE, SMALL, Eye
 from hsr.scene.shapes import Kind
 from hsr.viewing import View
 
@@ -88,9 +88,15 @@ def _set_up(one: Any, sight: _Sight) -> None:
     )
     # L and the root of R are compared with each other: divide by the larger one.
     common = max(size_l, isqrt(size_r)) or size_m or 1
-    one["k"], one["l"] = k / common, l[_AFFINE] / common
-    one["m"], one["r"] = _coefficients(m) / common, _coefficients(r) / common**2
-    one["size_l"], one["size_m"], one["size_r"] = size_l / common, size_m / common, size_r / common**2
+    if max(abs(k), size_m) < common << 400:
+        one["k"], one["l"] = k / common, l[_AFFINE] / common
+        one["m"], one["r"] = _coefficients(m) / common, _coefficients(r) / common**2
+        one["size_l"], one["size_m"] = size_l / common, size_m / common
+        # Only where R is 0 all over it counts as certain that nothing is met.
+        one["size_r"] = max(size_r / common**2, SMALL) if size_r else 0.0
+    else:
+        # Float64 cannot compute with such numbers: a hit may be anywhere.
+        one["k"], one["size_m"], one["size_r"] = 1.0, ANYWHERE**2, ANYWHERE**2
     if one["kind"] == Kind.CYLINDER:
         for end, (p, q) in enumerate(_ends(sight)):
             size = max(abs(p), abs(q[_AFFINE]) @ affine) or 1

@@ -119,7 +119,9 @@ def boxes(clip: Floats, near: float, eye: Eye) -> Floats:
     size = np.abs(clip).max(axis=(1, 2))
     error = (2.0 * (max(eye.error_x, eye.error_y) + 2.0 * eye.error_d) + 64.0 * U * size)[:, None] / least
     # Farther out than 2 an error of the depth counts for more, but does not bring a point onto the image.
-    low, high = np.clip(low - error, -2.0, 2.0), np.clip(high + error, -2.0, 2.0)
+    # The difference of two numbers that overflowed may be anything.
+    low, high = np.fmax(low - error, -2.0), np.fmin(high + error, 2.0)
+    low, high = np.minimum(low, 2.0), np.maximum(high, -2.0)
     left, right = (1.0 + low[:, 0]) * 0.5 * eye.width, (1.0 + high[:, 0]) * 0.5 * eye.width
     top, bottom = (1.0 - high[:, 1]) * 0.5 * eye.height, (1.0 - low[:, 1]) * 0.5 * eye.height
     sides = [np.floor(left - 1.0), np.ceil(right + 1.0), np.floor(top - 1.0), np.ceil(bottom + 1.0)]
@@ -146,21 +148,23 @@ def _columns(view: View, piece: Ints, box: Floats, eye: Eye) -> Floats:
         columns[e], columns[across], columns[below] = value / size, to_right / size, down / size
     columns[hs.BOUND // CLUSTER], columns[hs.AREA // CLUSTER] = ROUNDED, 1.0
 
-    # Nearness is affine on the screen, too.
+    # Nearness is affine on the screen, too. That w is taken for depth is an error such as vertices have.
     a, b, c = facets.plane[:, :3].T
     s = np.maximum(facets.plane[:, 3], 1)
     above, below = (frame.unit, 1) if view.perspective else (1, frame.unit)
     share = w_at_depth_1(view)
     value, to_right, down = (
-        -share * (number * above / (s * below)).astype(np.float64)
-        for number in (a * i + b * j + c, 2 * a, -2 * b)
+        -share * _quotient(number * above, s * below) for number in (a * i + b * j + c, 2 * a, -2 * b)
     )
-    z_x, z_y = -to_right * eye.scale, -down * eye.scale
-    columns[hs.Z // CLUSTER], columns[hs.Z_X // CLUSTER] = hs.key_depth(value, eye), z_x
-    columns[hs.Z_Y // CLUSTER] = z_y
-    rounding = 4.0 * U * (abs(eye.front) + abs(value)) * eye.scale
+    z, z_x, z_y = hs.FRONT + (eye.front - value) * eye.scale, -to_right * eye.scale, -down * eye.scale
+    # A value is rounded three times, and as often when it becomes a key depth.
+    slack = hs.nearness_error(eye.front, eye) + 8.0 * U * (abs(eye.front) + abs(value))
     growth = abs(z_x) * view.width + abs(z_y) * view.height
-    columns[hs.Z_ERROR // CLUSTER] = rounding + 64.0 * U * (1.0 + growth)
+    error = slack * eye.scale + 64.0 * U * (1.0 + growth)
+    bounded = np.isfinite(error)
+    for part, number in ((hs.Z, z), (hs.Z_X, z_x), (hs.Z_Y, z_y)):
+        columns[part // CLUSTER] = np.where(bounded, number, 0.0)
+    columns[hs.Z_ERROR // CLUSTER] = np.where(bounded, error, np.inf)
     columns[hs.NEAREST // CLUSTER], columns[hs.CUT // CLUSTER] = 1.0, 1.0
     columns[hs.LEFT // CLUSTER], columns[hs.RIGHT // CLUSTER] = left, right
     columns[hs.TOP // CLUSTER], columns[hs.BOTTOM // CLUSTER] = top, np.where(facets.drawn, bottom, top)
@@ -170,6 +174,12 @@ def _columns(view: View, piece: Ints, box: Floats, eye: Eye) -> Floats:
 _E = [part // CLUSTER for part in (hs.E0, hs.E1, hs.E2)]
 _ACROSS = [part // CLUSTER for part in (hs.ACROSS0, hs.ACROSS1, hs.ACROSS2)]
 _BELOW = [part // CLUSTER for part in (hs.BELOW0, hs.BELOW1, hs.BELOW2)]
+
+
+def _quotient(above: Array, below: Array) -> Floats:
+    """Return quotients (n,) of whole numbers, ``below`` positive; infinity for what float64 cannot hold."""
+    beyond = abs(above) >= below << 1023
+    return np.where(beyond, np.inf, np.where(beyond, 0, above) / below).astype(np.float64)
 
 
 def w_at_depth_1(view: View) -> float:

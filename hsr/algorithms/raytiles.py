@@ -25,7 +25,7 @@ from hsr.algorithms.tiles import eye_between, format_of, number_bits
 from hsr.arrays import Array, Bools, Floats, Ints
 from hsr.jit import one_by_one
 from hsr.kernels import doubts, hierarchy, raytiles
-from hsr.kernels.halfspaces import CLUSTER, ERROR, LANES, LOOSE, Eye, U
+from hsr.kernels.halfspaces import CLUSTER, ERROR, LANES, LOOSE, SMALL, Eye, U
 from hsr.kernels.projection import clip_rows, to_clip
 from hsr.kernels.raytiles import MEMBER, NO_QUADRIC, SHARE
 from hsr.kernels.tiles import CELL, COLUMNS, LINES, deal
@@ -46,6 +46,8 @@ ROOM = 256
 """Doubts of a tile for which there is room at first; a tile with more is cast again."""
 
 
+# What over- or underflows here is bounded by infinity, and so decided exactly.
+@np.errstate(all="ignore")
 def render(view: View, certified: bool) -> VisibilityMap:
     """Find what the ray of every sample meets first, tile by tile; see :func:`hsr.algorithms.raycast.render`.
 
@@ -232,10 +234,9 @@ def eye_of(view: View, world: World, rows: Floats) -> Eye:
     at most the sum of the magnitudes.
     """
     matrices = abs(np.array([placement.world_from_object for placement in view.placements]))
-    farthest = abs(world.box).max(axis=1)
-    reach = (matrices[:, :3, :3] @ farthest[:, :, None])[:, :, 0] + matrices[:, :3, 3]
     clip = abs(clip_rows(view.clip_from_world, view.depth_row))
-    size = reach @ clip[:, :3].T + clip[:, 3]
+    bound = (clip + SMALL) @ matrices + SMALL
+    size = (bound[:, :, :3] @ abs(world.box).max(axis=1)[:, :, None])[:, :, 0] + bound[:, :, 3]
     least, most = _depths(world, rows)
     return eye_between(view, 16.0 * U * size.max(axis=0), least.min(), most.max())
 
@@ -300,8 +301,9 @@ def _extents(caster: Caster) -> tuple[Floats, Bools]:
     extent, (least, most) = np.empty((len(caster.rows), 5)), _depths(caster.world, caster.rows)
     raytiles.reach_objects(caster.world.box, caster.rows, caster.eye, extent)
     seen = (extent[:, 0] < extent[:, 1]) & (extent[:, 2] < extent[:, 3])
+    # Depths that overflowed are not numbers: such an object may be anywhere.
     error = caster.eye.error_d
-    return extent, seen & (most >= caster.view.near - error) & (least <= caster.view.far + error)
+    return extent, seen & ~(most < caster.view.near - error) & ~(least > caster.view.far + error)
 
 
 def _batches(order: Array, members: Array) -> Iterator[Array]:

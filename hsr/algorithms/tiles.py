@@ -26,7 +26,7 @@ from hsr.arrays import Array, Floats, Ints
 from hsr.jit import one_by_one
 from hsr.kernels import doubts, halfspaces, hierarchy, tiles
 from hsr.kernels.bounds import nearness_of
-from hsr.kernels.halfspaces import BACK, CLUSTER, FRONT, Eye, U
+from hsr.kernels.halfspaces import BACK, CLUSTER, FRONT, SMALL, Eye, U
 from hsr.kernels.projection import clip_rows, to_clip
 from hsr.scene.shapes import Shape
 from hsr.viewing import View, WorldPolygons
@@ -37,6 +37,15 @@ TIE = 2.0**-36
 
 COARSE = 2.0**-5
 """Greatest error that does: the farthest keys are further than twice that from the empty one."""
+
+TINY = float(np.finfo(float).tiny)
+"""The least normal number: no depth that is certain is less."""
+
+MOST = float(np.finfo(float).max)
+"""The greatest number."""
+
+HUGE = 2.0**900
+"""An error of clip coordinates beyond which nothing is certain. Where it is less, these are below 2^949."""
 
 ROOM = 64
 """Doubts of a tile for which there is room at first; a tile with more is drawn again."""
@@ -145,6 +154,7 @@ def mesh_of(view: View) -> Mesh:
     return _meshes[polygons]
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def clustered(view: View, chosen: Array, faces: Ints) -> Mesh:
     """Put some triangles (n,) of the fans in clusters; ``faces`` (all,) is what they shall show."""
     polygons = view.polygons
@@ -182,7 +192,7 @@ def world_slack(view: View) -> Floats:
     farthest = {id(p.shape): abs(_vertices(p.shape)).max(axis=0) for p in view.placements}
     reach = np.array([farthest[id(placement.shape)] for placement in view.placements])
     size = (matrix[:, :3, :3] @ reach[:, :, None])[:, :, 0] + matrix[:, :3, 3]
-    return np.asarray(8.0 * U * size.max(axis=0))
+    return np.asarray(8.0 * U * (size.max(axis=0) + SMALL))
 
 
 def _vertices(shape: Shape) -> Floats:
@@ -193,6 +203,7 @@ def _vertices(shape: Shape) -> Floats:
 # ---------------------------------------------------------------- once a picture
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def eye_of(view: View, mesh: Mesh) -> Eye:
     """Measure a view for the kernels.
 
@@ -201,8 +212,9 @@ def eye_of(view: View, mesh: Mesh) -> Eye:
     """
     rows = clip_rows(view.clip_from_world, view.depth_row)
     low, high = mesh.low.min(axis=0), mesh.high.max(axis=0)
-    size = abs(rows[:, :3]) @ np.maximum(abs(low), abs(high)) + abs(rows[:, 3])
-    error = 16.0 * U * size + abs(rows[:, :3]) @ mesh.slack
+    bound = abs(rows) + SMALL
+    size = bound[:, :3] @ np.maximum(abs(low), abs(high)) + bound[:, 3]
+    error = 16.0 * U * size + bound[:, :3] @ mesh.slack
     ends = np.stack([rows[2, :3] * low, rows[2, :3] * high])
     least, most = rows[2, 3] + ends.min(axis=0).sum(), rows[2, 3] + ends.max(axis=0).sum()
     return eye_between(view, error, least, most)
@@ -210,6 +222,8 @@ def eye_of(view: View, mesh: Mesh) -> Eye:
 
 def eye_between(view: View, error: Floats, least: float, most: float) -> Eye:
     """Measure a view of which all lies between two depths.
+
+    Where clip coordinates come near to overflow, nothing is certain: all is decided exactly.
 
     Parameters
     ----------
@@ -219,23 +233,30 @@ def eye_between(view: View, error: Floats, least: float, most: float) -> Eye:
     least, most : float
         The depths, in scene units.
     """
-    near, far = nearness_of(view.near, view.perspective), nearness_of(view.far, view.perspective)
+    if not (error < HUGE).all():
+        error, least, most = np.full(3, MOST), view.near, min(view.far, MOST)
+    near, far = _nearness(view.near, view), _nearness(view.far, view)
     closest = min(max(least, view.near), view.far)
-    front = nearness_of(closest, view.perspective)
-    back = nearness_of(max(min(most, view.far), closest), view.perspective)
+    front, back = _nearness(closest, view), _nearness(max(min(most, view.far), closest), view)
+    error_x, error_y, error_d = error.tolist()
     size_of_image = (float(view.width), float(view.height))
-    eye = Eye(view.perspective, *size_of_image, error[0], error[1], error[2], front, 0.0, 0.0, 0.0, 0.0)
+    eye = Eye(view.perspective, *size_of_image, error_x, error_y, error_d, front, back, 0.0, 0.0, 0.0, 0.0)
 
     # Spread key depths over what may be seen, but not over less than can be told apart.
-    with np.errstate(over="ignore"):  # an infinite bound is a bound
-        slack = halfspaces.nearness_error(front, eye)
-    apart = max(front - back, 2.0**-12 * max(abs(front), abs(back)), slack, np.finfo(float).tiny)
-    eye = eye._replace(scale=(BACK - FRONT) / apart)
-    with np.errstate(over="ignore"):
-        near_key, far_key = halfspaces.key_depth(near, eye), halfspaces.key_depth(far, eye)
+    slack = halfspaces.nearness_error(front, eye)
+    apart = max(front - back, 2.0**-12 * max(abs(front), abs(back)), slack, TINY)
+    eye = eye._replace(scale=(BACK - FRONT) / min(apart, 1.0 / TINY))
+    near_key, far_key = halfspaces.key_depth(near, eye), halfspaces.key_depth(far, eye)
     return eye._replace(near=near_key, far=far_key, tie=min(max(TIE, 4.0 * slack * eye.scale), COARSE))
 
 
+def _nearness(depth: float, view: View) -> float:
+    """Return the nearness of a depth, but not more than is certain of any."""
+    return float(min(nearness_of(float(depth), view.perspective), 1.0 / TINY))
+
+
+# What over- or underflows here is bounded by infinity, and so decided exactly.
+@np.errstate(all="ignore")
 def draw(
     view: View, mesh: Mesh, eye: Eye, screen: Floats, certified: bool, answer: tuple[Ints, Floats]
 ) -> tuple[Array, Array]:
@@ -297,5 +318,7 @@ def number_bits(count: int) -> int:
 def format_of(view: View, count: int, eye: Eye) -> dict[str, Any]:
     """Describe the key depths of so many triangles as window depths, 0 at near and 1 at far."""
     step = (number_bits(count) + 1.0) * 2.0**-63 / eye.scale
-    whole = nearness_of(view.near, view.perspective) - nearness_of(view.far, view.perspective)
-    return depth_format("window", step / whole, view.near, view.far, view.perspective)
+    whole = _nearness(view.near, view) - _nearness(view.far, view)
+    # Near and far may be too close to each other for more than one step.
+    share = step / whole if whole > step else 1.0
+    return depth_format("window", share, view.near, view.far, view.perspective)

@@ -107,7 +107,8 @@ def triangle_tables(triangles: Triangles, nearer: int, width: int, height: int) 
     key = -nearer * ratio(triangles.zeta, triangles.det[:, None])
     ends = np.array([width, height, 1.0])
     slack = ROUNDING * (np.abs(half) @ ends) + TINY
-    key_slack = ROUNDING * (np.abs(key) @ ends) + TINY
+    with np.errstate(over="ignore"):
+        key_slack = ROUNDING * (np.abs(key) @ ends) + TINY
     # A plane too steep for float64 may have any key.
     key[~np.isfinite(key_slack)] = 0.0
     return TriangleTables(half, slack, key, key_slack, triangles.box)

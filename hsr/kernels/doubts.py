@@ -252,7 +252,11 @@ def span_of(row: Row, bound: float, left: int, begin: int, end: int) -> tuple[in
 def note(
     table: Floats, i: int, keys: Array, window: Window, limits: Limits | None, doubts: Array, counts: Array
 ) -> None:
-    """Write down the doubts of a triangle that has just been taken into the keys."""
+    """Write down the doubts of a triangle that has just been taken into the keys.
+
+    What it ties with need not be written down: either the keys still show it in the end, see :func:`settle`,
+    or it is certainly hidden.
+    """
     left, top, bound = int(table[LEFT + i]), int(table[TOP + i]), table[BOUND + i]
     begin, end = columns_of(table, i, keys, window)
     gap, number = window.gap, int(table[NUMBER + i])
@@ -267,7 +271,6 @@ def note(
                     write(doubts, counts, sample, key, False)
             elif inner >= bound and key != old and abs(old - key) <= gap:
                 write(doubts, counts, sample, key, True)
-                write(doubts, counts, sample, old, True)
 
 
 @jit
@@ -348,14 +351,15 @@ def read_out(
     depth : (H, W) float64
         Of the image.
     """
-    # Depths were cut off below the bits of the mask: on average by half a step.
+    # Depths were cut off below the bits of the mask: on average by half a step. What keys cannot tell from
+    # infinity is as far as what is farthest.
     step, half = 1.0 / eye.scale, 0.5 * (depth_of(int(EMPTY - window.mask)) - 1.0)
     first, end, left = np.uintp(box[2]), np.uintp(box[3]), np.uintp(window.column)
     for line in range(box[0], box[1]):
         here, faces_here, depths_here = keys[line], face[window.line + line], depth[window.line + line]
         for column in range(first, end):
             key = here[column]
-            nearness = eye.front - (depth_of(key & window.mask) + half - FRONT) * step
+            nearness = max(eye.front - (depth_of(key & window.mask) + half - FRONT) * step, eye.back)
             seen = 1.0 / nearness if eye.perspective else -nearness
             depths_here[left + column] = seen if key != EMPTY else np.inf
         for column in range(first, end):

@@ -25,6 +25,10 @@ from hsr.jit import jit, parallel_jit, prange
 U = 2.0**-53
 """Greatest relative error of one rounding."""
 
+SMALL = 2.0**-969
+"""The least normal number, divided by U. A rounding is off by at most U times the magnitude, or U times this
+where it underflows."""
+
 FRONT, BACK = 1.125, 1.875
 """Key depths of what is nearest and farthest: within [1, 2), where all float64 have one exponent."""
 
@@ -77,7 +81,9 @@ class Eye(NamedTuple):
         Of the image, in pixels.
     error_x, error_y, error_d : float
         Bounds of the errors of clip coordinates.
-    front, scale : float
+    front, back : float
+        Nearness of what is nearest and farthest.
+    scale : float
         Key depth is ``FRONT + (front - nearness) * scale``.
     near, far : float
         Key depths of the near and the far plane.
@@ -92,6 +98,7 @@ class Eye(NamedTuple):
     error_y: float
     error_d: float
     front: float
+    back: float
     scale: float
     near: float
     far: float
@@ -124,7 +131,8 @@ def projected(px: float, py: float, pz: float, rows: Floats, eye: Eye) -> tuple[
 
     To first order x / d is off by (error_x + |x / d| error_d) / d and two roundings; scaling it to the
     image rounds twice more numbers of at most |x / d| + 1. The width taken whole instead of
-    half doubles that, which covers the higher orders if error_d is less than half of d.
+    half doubles that, which covers the higher orders if error_d is less than half of d. What overflows may be
+    anywhere.
     """
     x = rows[0, 0] * px + rows[0, 1] * py + rows[0, 2] * pz + rows[0, 3]
     y = rows[1, 0] * px + rows[1, 1] * py + rows[1, 2] * pz + rows[1, 3]
@@ -135,7 +143,7 @@ def projected(px: float, py: float, pz: float, rows: Floats, eye: Eye) -> tuple[
     error_x = (eye.error_x + abs(x) * error_w) * w + 4.0 * U * (abs(x) + 1.0)
     error_y = (eye.error_y + abs(y) * error_w) * w + 4.0 * U * (abs(y) + 1.0)
     error = max(error_x * eye.width, error_y * eye.height)
-    if eye.perspective and not d > 2.0 * eye.error_d:
+    if not error < ANYWHERE or (eye.perspective and not d > 2.0 * eye.error_d):
         error = ANYWHERE
     return (1.0 + x) * 0.5 * eye.width, (1.0 - y) * 0.5 * eye.height, nearness, error
 

@@ -19,6 +19,7 @@ from hsr.viewing import View, view
 from hsr.visibility import VisibilityMap
 from tests.conftest import JIT
 from tests.exact.adversarial import adversarial
+from tests.exact.extreme import EXTREME, extreme
 from tests.exact.hard import scene
 
 SEEDS = 240 if JIT else 32
@@ -43,6 +44,18 @@ def check(seen: View) -> VisibilityMap:
 def test_adversarial_views_are_right_at_every_sample(share: int, curved: bool) -> None:
     for seed in range(share, SEEDS, 8):
         check(adversarial(seed, curved))
+
+
+@pytest.mark.parametrize("name", EXTREME)
+def test_extreme_numbers_are_right_at_every_sample(name: str) -> None:
+    check(EXTREME[name]())
+
+
+@pytest.mark.parametrize("curved", [False, True], ids=["planar", "curved"])
+def test_extreme_views_are_right_at_every_sample(curved: bool) -> None:
+    for seed in range(SEEDS):
+        seen = extreme(seed, curved)
+        assert np.array_equal(cast(seen).face, truth(seen).face), f"seed {seed}"
 
 
 @pytest.mark.jit

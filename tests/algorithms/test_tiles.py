@@ -13,6 +13,7 @@ import pytest
 
 import hsr
 from hsr.algorithms import tiles
+from hsr.errors import ViewError
 from hsr.exact.oracle import truth
 from hsr.kernels.halfspaces import LANES
 from hsr.kernels.tiles import COLUMNS, LINES
@@ -20,6 +21,7 @@ from hsr.viewing import View, view
 from hsr.visibility import VisibilityMap
 from tests.conftest import JIT
 from tests.exact.adversarial import adversarial
+from tests.exact.extreme import EXTREME, extreme
 from tests.exact.hard import scene
 
 SEEDS = 240 if JIT else 40
@@ -143,6 +145,29 @@ def test_adversarial_views_are_right_at_every_sample(share: int) -> None:
         assert np.array_equal(answer.face, exact.face), f"seed {seed}"
         shown = exact.face >= 0
         assert answer.depth[shown] == pytest.approx(exact.depth[shown], rel=1e-5, abs=1e-12), f"seed {seed}"
+
+
+@pytest.mark.parametrize("name", EXTREME)
+def test_extreme_numbers_are_right_at_every_sample(name: str) -> None:
+    seen = EXTREME[name]().tessellated()
+    answer = rendered(seen)
+    assert np.array_equal(answer.face, truth(seen).face)
+    depths = answer.depth[answer.face >= 0]
+    assert (depths < np.inf).all() and (depths >= 0.999 * seen.near).all()
+
+
+def test_extreme_views_are_right_at_every_sample() -> None:
+    shown, refused = 0, 0
+    for seed in range(SEEDS):
+        seen = extreme(seed).tessellated()
+        try:
+            answer = rendered(seen)
+        except ViewError:
+            refused += 1
+            continue
+        assert np.array_equal(answer.face, truth(seen).face), f"seed {seed}"
+        shown += (answer.face >= 0).sum()
+    assert shown > 10 * SEEDS and refused < 0.05 * SEEDS
 
 
 @pytest.mark.jit

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hsr.kernels import doubts as d
@@ -13,6 +13,7 @@ from hsr.kernels import halfspaces as hs
 DEPTHS = st.floats(1.0, 2.0, exclude_max=True)
 
 
+@settings(deadline=None)  # the first example compiles
 @given(a=DEPTHS, b=DEPTHS, triangles=st.integers(1, 2**31 - 1))
 def test_keys_order_like_depths_and_give_them_back(a: float, b: float, triangles: int) -> None:
     mask = int(d.depth_mask(triangles))
@@ -67,6 +68,7 @@ def test_depths_within_their_errors_are_doubts_about_both() -> None:
     assert d.fill(near_by, 0, keys, WINDOW, None, True)
     assert shown(keys)[0] == [3, 3, -1, -1, -1]
     d.note(near_by, 0, keys, WINDOW, None, found, counts)
+    d.settle(keys, WINDOW, found, counts)
     assert counts[d.USED] == 12 and found["sure"][:12].all()
     assert set((found["key"][:12] & ~MASK).tolist()) == {3, 5}
 
@@ -81,7 +83,7 @@ def test_a_depth_at_near_or_far_is_a_doubt() -> None:
 
 
 def eye(near: float, far: float) -> hs.Eye:
-    return hs.Eye(True, 5.0, 4.0, 0.0, 0.0, 0.0, 1.0, 1.0, near, far, 2.0**-40)
+    return hs.Eye(True, 5.0, 4.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, near, far, 2.0**-40)
 
 
 def test_doubts_about_what_is_certainly_hidden_are_forgotten() -> None:
@@ -120,3 +122,13 @@ def test_spans_leave_out_only_what_is_outside() -> None:
         inside = [c for c in range(100) if d.at(row, float(c), None)[0] >= 0.0]
         assert all(first <= c < last for c in inside)
         assert 0 <= first <= last <= 100
+
+
+@pytest.mark.parametrize("triangles", [8, 2**20])
+def test_what_keys_cannot_tell_from_infinity_is_shown_as_the_farthest(triangles: int) -> None:
+    mask = int(d.depth_mask(triangles))
+    keys = np.full((4, 5 + hs.LANES), d.key_of(np.float64(hs.BACK), mask, 3), np.int64)
+    seen = eye(near=1.0, far=1.9)._replace(back=1e-20, scale=0.75)
+    faces, face, depth = np.arange(8, dtype=np.int32), np.zeros((4, 5), np.int32), np.zeros((4, 5))
+    d.read_out(keys, WINDOW._replace(mask=mask), (0, 4, 0, 5), faces, seen, face, depth)
+    assert (face == 3).all() and (depth == 1e20).all()

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hsr.algorithms.tiles import along_the_curve, eye_of, mesh_of
+from hsr.algorithms.tiles import along_the_curve, eye_between, eye_of, mesh_of
 from hsr.kernels import halfspaces as hs
 from hsr.kernels.projection import clip_rows
 from hsr.viewing import View
@@ -56,6 +56,16 @@ def test_projected_vertices_are_within_their_error(share: int) -> None:
             assert exact is not None, f"seed {seed}: behind the eye, and certain"
             assert abs(Fraction(x) - exact[0]) <= error and abs(Fraction(y) - exact[1]) <= error
             assert abs(Fraction(nearness) - exact[2]) <= hs.nearness_error(nearness, eye)
+
+
+@pytest.mark.parametrize("perspective", [True, False])
+@pytest.mark.parametrize("row", [0, 1, 2])
+def test_what_overflows_may_be_anywhere(perspective: bool, row: int) -> None:
+    rows = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1.0]])
+    rows[row, :2] = 1e300, -1e300
+    eye = eye_between(adversarial(1), np.full(3, np.inf), 0.0, 1.0)._replace(perspective=perspective)
+    with np.errstate(all="ignore"):
+        assert hs.projected(1e300, 1e300, 0.0, rows, eye)[hs.ERROR] == hs.ANYWHERE
 
 
 def set_up(view: View) -> Iterator[tuple[list[Point], dict[str, float], hs.Eye]]:
