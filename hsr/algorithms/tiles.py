@@ -23,7 +23,7 @@ import numpy as np
 from hsr.algorithms.loose import loose_tables, loose_triangles
 from hsr.algorithms.resolve import resolve
 from hsr.arrays import Array, Floats, Ints
-from hsr.jit import one_by_one
+from hsr.jit import dealt
 from hsr.kernels import doubts, halfspaces, hierarchy, tiles
 from hsr.kernels.bounds import nearness_of
 from hsr.kernels.halfspaces import BACK, CLUSTER, FRONT, Eye, U
@@ -271,10 +271,10 @@ def draw(
 
     found, total, room = [np.empty(0, doubts.DOUBT)], np.zeros(tiles.COUNTS, np.int64), ROOM
     while len(todo):
+        todo = dealt(todo)
         counts = np.zeros((len(todo), tiles.COUNTS), np.int64)
         noted = np.empty((len(todo), room), doubts.DOUBT) if certified else None
-        with one_by_one():
-            tiles.rasterise(prepared, extent, listed, todo, loose, eye, noted, counts, *answer)
+        tiles.rasterise(prepared, extent, listed, todo, loose, eye, noted, counts, *answer)
         used = counts[:, doubts.USED]
         if noted is not None:
             found += [noted[k, : used[k]] for k in np.flatnonzero(used <= room)]
