@@ -205,8 +205,9 @@ def _pieces_of(view: View, frame: Frame, starts: Array, piece: Ints) -> Pieces:
     is_curved = np.zeros(len(occurring), dtype=bool)
     planar: list[Facets] = []
     curved: dict[int, CurvedPiece] = {}
-    for own in np.split(np.arange(len(occurring)), _firsts(thing)[1:]):
-        k = thing[own[0]]
+    first = _firsts(thing)
+    for own in map(slice, first, [*first[1:], len(thing)]):
+        k = thing[own.start]
         placement, part = view.placements[k], occurring[own] - starts[k]
         if placement.shape.curved:
             curved |= {int(starts[k] + p): curved_piece(frame, k, placement, int(p)) for p in part}
