@@ -23,6 +23,8 @@ install = $(APT) update >/dev/null 2>&1 && $(APT) install -y --no-install-recomm
 lab: $(VENV)/lab.stamp opengl
 	@$(BIN)/hsr compare scenes/*.toml --size $(SIZE) -o $(REPORT)
 
+# Idle threads of one process shall not take the time of the other's.
+test: export OMP_WAIT_POLICY := passive
 test: $(VENV)/test.stamp opengl browser
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .

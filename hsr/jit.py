@@ -8,14 +8,9 @@ zero an infinity instead of an exception. Compiled kernels are cached on disk.
 from __future__ import annotations
 
 import hashlib
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
-
-# An idle thread of GNU OpenMP spins at its barrier, and on a busy machine takes time from the others.
-os.environ.setdefault("OMP_WAIT_POLICY", "passive")
-os.environ.setdefault("GOMP_SPINCOUNT", "0")
 
 import numba
 import numpy as np
