@@ -32,7 +32,7 @@
         const x = (sample % track.width) * CELL, y = Math.floor(sample / track.width) * CELL;
         const cell = element("svg:g", { class: "empty" },
           element("svg:rect", { x, y, width: CELL, height: CELL }),
-          element("svg:text", { x: x + CELL / 2, y: y + CELL / 2 + 1, "font-size": Math.min(22, 1.65 * CELL / longest) }));
+          element("svg:text", { x: x + CELL / 2, y: y + CELL / 2 + 1, "font-size": Math.min(20, 1.55 * CELL / longest) }));
         if (ties.includes(sample)) cell.append(element("svg:circle", { class: "tie", cx: x + 33, cy: y + 7, r: 3.5 }));
         cell.addEventListener("click", () => toSample(sample));
         return cell;
@@ -262,6 +262,7 @@
       return button;
     }));
     $("ask").hidden = false;
+    $("say").classList.toggle("asking", !onQuestion());
   }
 
   function reveal(chosen, right, why, id) {
@@ -269,6 +270,7 @@
     if (chosen !== right) $("choices").children[chosen].classList.add("wrong");
     $("choices").children[right].classList.add("right");
     $("verdict").textContent = why;
+    $("ask").scrollIntoView({ block: "nearest" });
     done.add(id);
     state.answered += 1;
     state.right += chosen === right;
