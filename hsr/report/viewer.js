@@ -593,6 +593,7 @@
   async function open(number, wanted, row, column) {
     [mode, kind, overlay] = ["two-up", "faces", "none"];
     canvases.clear();
+    clearTimeout(remembering);
     scene = null;
     if (!dialog.open) dialog.showModal();
     dialog.setAttribute("aria-busy", "true");

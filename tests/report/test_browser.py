@@ -139,6 +139,23 @@ def test_the_address_follows_the_sample(visit: Any) -> None:
     assert not tab.locator("#inspector").is_visible() and tab.evaluate("location.hash") == ""
 
 
+def test_another_scene_may_open_before_the_address_has_followed(visit: Any) -> None:
+    tab = visit(fragment("boxes", "shifted", (20, 30)))
+    tab.evaluate(  # unpacking takes longer than the address takes to follow
+        """() => {
+          const Inflate = DecompressionStream;
+          window.DecompressionStream = function (kind) {
+            const made = new Inflate(kind);
+            const late = new TransformStream({ start: () => new Promise((done) => setTimeout(done, 400)) });
+            return { writable: made.writable, readable: made.readable.pipeThrough(late) };
+          };
+        }"""
+    )
+    press(tab, "ArrowRight")
+    tab.evaluate("location.hash = '#scene=cyclic&method=backface&x=1&y=2'")
+    until(tab, "document.getElementById('position').textContent === 'row 2, column 1'")
+
+
 def test_the_panel_says_what_explain_says(visit: Any, real: Study, capsys: Any, scenes: Path) -> None:
     tab = visit("#scene=cyclic&method=scanline-d16")
     samples = [
