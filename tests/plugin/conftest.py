@@ -39,3 +39,4 @@ def everything_imported() -> None:
     )
     for module in (*modules, *PIPELINES.values(), *more):
         importlib.import_module(module)
+    hsr.render(hsr.load(SAMPLE / "room.toml"), "raycast", (4, 4))  # Numba imports more when it first compiles
