@@ -8,9 +8,15 @@ zero an infinity instead of an exception. Compiled kernels are cached on disk.
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
+
+# An idle thread of GNU OpenMP spins before it sleeps, for some 8 ms: enough is what bridges the gap between
+# two launches of one picture. More takes time from others on a busy machine.
+if "OMP_WAIT_POLICY" not in os.environ:
+    os.environ.setdefault("GOMP_SPINCOUNT", "30000")
 
 import numba
 import numpy as np

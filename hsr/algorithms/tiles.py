@@ -25,27 +25,11 @@ from hsr.algorithms.resolve import resolve
 from hsr.arrays import Array, Floats, Ints
 from hsr.jit import dealt
 from hsr.kernels import doubts, halfspaces, hierarchy, tiles
-from hsr.kernels.bounds import nearness_of
-from hsr.kernels.halfspaces import BACK, CLUSTER, FRONT, SMALL, Eye, U
+from hsr.kernels.halfspaces import CLUSTER, SMALL, Eye, U, nearness_at
 from hsr.kernels.projection import clip_rows, to_clip
 from hsr.scene.shapes import Shape
 from hsr.viewing import View, WorldPolygons
 from hsr.visibility import Clock, VisibilityMap, depth_format
-
-TIE = 2.0**-36
-"""Least error of a key depth, in which all that may be seen lies 0.75 apart, that counts as certain."""
-
-COARSE = 2.0**-5
-"""Greatest error that does: the farthest keys are further than twice that from the empty one."""
-
-TINY = float(np.finfo(float).tiny)
-"""The least normal number: no depth that is certain is less."""
-
-MOST = float(np.finfo(float).max)
-"""The greatest number."""
-
-HUGE = 2.0**900
-"""An error of clip coordinates beyond which nothing is certain. Where it is less, these are below 2^949."""
 
 ROOM = 64
 """Doubts of a tile for which there is room at first; a tile with more is drawn again."""
@@ -96,8 +80,9 @@ def render(view: View, options: Options) -> VisibilityMap:
             np.full((view.height, view.width), np.inf),
         )
     with clock("render"):
-        eye = eye_of(view, mesh)
-        found, counts = draw(view, mesh, eye, screen, options.certified, (face, depth))
+        rows = clip_rows(view.clip_from_world, view.depth_row)
+        eye = eye_of(view, mesh, rows)
+        found, counts = draw(view, mesh, rows, eye, screen, options.certified, (face, depth))
         resolved = resolve(view, found["sample"], mesh.number[_number(mesh, found)], found["sure"])
         face.ravel()[resolved.sample], depth.ravel()[resolved.sample] = resolved.face, resolved.depth
     work = {
@@ -209,13 +194,12 @@ def _vertices(shape: Shape) -> Floats:
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def eye_of(view: View, mesh: Mesh) -> Eye:
+def eye_of(view: View, mesh: Mesh, rows: Floats) -> Eye:
     """Measure a view for the kernels.
 
     Clip coordinates are sums of three products and an offset, by rows that were divided once, and depth is
     taken for w: fewer than sixteen roundings, each of at most the sum of the magnitudes.
     """
-    rows = clip_rows(view.clip_from_world, view.depth_row)
     low, high = mesh.box
     bound = abs(rows) + SMALL
     size = bound[:, :3] @ np.maximum(abs(low), abs(high)) + bound[:, 3]
@@ -226,44 +210,23 @@ def eye_of(view: View, mesh: Mesh) -> Eye:
 
 
 def eye_between(view: View, error: Floats, least: float, most: float) -> Eye:
-    """Measure a view of which all lies between two depths.
-
-    Where clip coordinates come near to overflow, nothing is certain: all is decided exactly.
-
-    Parameters
-    ----------
-    view : View
-    error : (3,) float64
-        Bounds of the errors of clip coordinates (x, y, d).
-    least, most : float
-        The depths, in scene units.
-    """
-    if not (error < HUGE).all():
-        error, least, most = np.full(3, MOST), view.near, min(view.far, MOST)
-    near, far = _nearness(view.near, view), _nearness(view.far, view)
-    closest = min(max(least, view.near), view.far)
-    front, back = _nearness(closest, view), _nearness(max(min(most, view.far), closest), view)
-    error_x, error_y, error_d = error.tolist()
-    size_of_image = (float(view.width), float(view.height))
-    eye = Eye(view.perspective, *size_of_image, error_x, error_y, error_d, front, back, 0.0, 0.0, 0.0, 0.0)
-
-    # Spread key depths over what may be seen, but not over less than can be told apart.
-    slack = halfspaces.nearness_error(front, eye)
-    apart = max(front - back, 2.0**-12 * max(abs(front), abs(back)), slack, TINY)
-    eye = eye._replace(scale=(BACK - FRONT) / min(apart, 1.0 / TINY))
-    near_key, far_key = halfspaces.key_depth(near, eye), halfspaces.key_depth(far, eye)
-    return eye._replace(near=near_key, far=far_key, tie=min(max(TIE, 4.0 * slack * eye.scale), COARSE))
-
-
-def _nearness(depth: float, view: View) -> float:
-    """Return the nearness of a depth, but not more than is certain of any."""
-    return float(min(nearness_of(float(depth), view.perspective), 1.0 / TINY))
+    """Measure a view of which all lies between two depths; see :func:`hsr.kernels.halfspaces.eye_between`."""
+    size = (float(view.width), float(view.height))
+    return halfspaces.eye_between(
+        view.perspective, size, tuple(error.tolist()), (view.near, view.far), (float(least), float(most))
+    )
 
 
 # What over- or underflows here is bounded by infinity, and so decided exactly.
 @np.errstate(all="ignore")
 def draw(
-    view: View, mesh: Mesh, eye: Eye, screen: Floats, certified: bool, answer: tuple[Ints, Floats]
+    view: View,
+    mesh: Mesh,
+    rows: Floats,
+    eye: Eye,
+    screen: Floats,
+    certified: bool,
+    answer: tuple[Ints, Floats],
 ) -> tuple[Array, Array]:
     """Draw a mesh into face (H, W) and depth (H, W).
 
@@ -272,6 +235,8 @@ def draw(
     view : View
         Without curved shapes.
     mesh : Mesh
+    rows : (3, 4) float64
+        From world to clip space (x, y, d).
     eye : Eye
     screen : (V, 4) float64
         Room for the projected vertices.
@@ -285,7 +250,6 @@ def draw(
         None if not certified.
     counts : (COUNTS,) int64
     """
-    rows = clip_rows(view.clip_from_world, view.depth_row)
     halfspaces.project(mesh.vertices, rows, eye, screen)
     extent = np.empty((len(mesh.low), 5))
     tiles.reach(mesh.low, mesh.high, rows, eye, extent)
@@ -323,7 +287,7 @@ def number_bits(count: int) -> int:
 def format_of(view: View, count: int, eye: Eye) -> dict[str, Any]:
     """Describe the key depths of so many triangles as window depths, 0 at near and 1 at far."""
     step = (number_bits(count) + 1.0) * 2.0**-63 / eye.scale
-    whole = _nearness(view.near, view) - _nearness(view.far, view)
+    whole = nearness_at(view.near, view.perspective) - nearness_at(view.far, view.perspective)
     # Near and far may be too close to each other for more than one step.
     share = step / whole if whole > step else 1.0
     return depth_format("window", share, view.near, view.far, view.perspective)

@@ -21,6 +21,7 @@ import numpy as np
 
 from hsr.arrays import Array, Floats, Ints
 from hsr.jit import jit, parallel_jit, prange
+from hsr.kernels.bounds import nearness_of
 
 U = 2.0**-53
 """Greatest relative error of one rounding."""
@@ -31,6 +32,21 @@ where it underflows."""
 
 FRONT, BACK = 1.125, 1.875
 """Key depths of what is nearest and farthest: within [1, 2), where all float64 have one exponent."""
+
+TIE = 2.0**-36
+"""Least error of a key depth, in which all that may be seen lies 0.75 apart, that counts as certain."""
+
+COARSE = 2.0**-5
+"""Greatest error that does: the farthest keys are further than twice that from the empty one."""
+
+TINY = float(np.finfo(float).tiny)
+"""The least normal number: no depth that is certain is less."""
+
+MOST = float(np.finfo(float).max)
+"""The greatest number."""
+
+HUGE = 2.0**900
+"""An error of clip coordinates beyond which nothing is certain. Where it is less, these are below 2^949."""
 
 LOOSE = 2.0**-4
 """Greatest error of a projected vertex, in pixels, with which its triangles are set up here."""
@@ -103,6 +119,59 @@ class Eye(NamedTuple):
     near: float
     far: float
     tie: float
+
+
+@jit
+def eye_between(
+    perspective: bool,
+    size: tuple[float, float],
+    error: tuple[float, float, float],
+    limits: tuple[float, float],
+    seen: tuple[float, float],
+) -> Eye:
+    """Measure a view of which all lies between two depths.
+
+    Where clip coordinates come near to overflow, nothing is certain: all is decided exactly.
+
+    Parameters
+    ----------
+    perspective : bool
+    size : (width, height)
+        Of the image, in pixels.
+    error : (x, y, d)
+        Bounds of the errors of clip coordinates.
+    limits : (near, far)
+        Depths in scene units, and so are the following.
+    seen : (least, most)
+    """
+    error_x, error_y, error_d = error
+    least, most = seen
+    if not (error_x < HUGE and error_y < HUGE and error_d < HUGE):
+        error_x, error_y, error_d = MOST, MOST, MOST
+        least, most = limits[0], min(limits[1], MOST)
+    near, far = nearness_at(limits[0], perspective), nearness_at(limits[1], perspective)
+    closest = min(max(least, limits[0]), limits[1])
+    front = nearness_at(closest, perspective)
+    back = nearness_at(max(min(most, limits[1]), closest), perspective)
+    width, height = size
+    eye = Eye(perspective, width, height, error_x, error_y, error_d, front, back, 0.0, 0.0, 0.0, 0.0)
+
+    # Spread key depths over what may be seen, but not over less than can be told apart.
+    slack = nearness_error(front, eye)
+    apart = max(max(front - back, 2.0**-12 * max(abs(front), abs(back))), max(slack, TINY))
+    scale = (BACK - FRONT) / min(apart, 1.0 / TINY)
+    tie = min(max(TIE, 4.0 * slack * scale), COARSE)
+    eye = Eye(perspective, width, height, error_x, error_y, error_d, front, back, scale, 0.0, 0.0, tie)
+    near_key, far_key = key_depth(near, eye), key_depth(far, eye)
+    return Eye(
+        perspective, width, height, error_x, error_y, error_d, front, back, scale, near_key, far_key, tie
+    )
+
+
+@jit
+def nearness_at(depth: float, perspective: bool) -> float:
+    """Return the nearness of a depth, but not more than is certain of any."""
+    return min(nearness_of(depth, perspective), 1.0 / TINY)
 
 
 @parallel_jit

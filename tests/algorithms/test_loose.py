@@ -34,7 +34,8 @@ def around(seed: int) -> View:
 def entries(seen: View) -> Iterator[tuple[hs.Eye, int, dict[str, float]]]:
     """Yield the eye, the number and the table entry of every triangle of certain depth."""
     mesh, every = mesh_of(seen), np.arange(3)
-    eye, rows = eye_of(seen, mesh), clip_rows(seen.clip_from_world, seen.depth_row)
+    rows = clip_rows(seen.clip_from_world, seen.depth_row)
+    eye = eye_of(seen, mesh, rows)
     clip = to_clip(mesh.vertices[mesh.corner.ravel()], rows).reshape(-1, 3, 3)
     names = ("NUMBER", "LEFT", "RIGHT", "TOP", "BOTTOM", "Z", "Z_X", "Z_Y", "Z_ERROR")
     for table in loose_tables(seen, clip, mesh.number, every, eye):

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hsr.algorithms.tiles import along_the_curve, eye_between, eye_of, mesh_of
+from hsr.algorithms.tiles import along_the_curve, eye_of, mesh_of
 from hsr.kernels import halfspaces as hs
 from hsr.kernels.projection import clip_rows
 from hsr.viewing import View
@@ -40,8 +40,9 @@ def exact_vertices(view: View) -> list[Point | None]:
 
 def projected(view: View) -> tuple[Any, hs.Eye, Any]:
     mesh = mesh_of(view)
-    eye, screen = eye_of(view, mesh), np.empty((len(mesh.vertices), 4))
-    hs.project(mesh.vertices, clip_rows(view.clip_from_world, view.depth_row), eye, screen)
+    rows, screen = clip_rows(view.clip_from_world, view.depth_row), np.empty((len(mesh.vertices), 4))
+    eye = eye_of(view, mesh, rows)
+    hs.project(mesh.vertices, rows, eye, screen)
     return mesh, eye, screen
 
 
@@ -63,7 +64,7 @@ def test_projected_vertices_are_within_their_error(share: int) -> None:
 def test_what_overflows_may_be_anywhere(perspective: bool, row: int) -> None:
     rows = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1.0]])
     rows[row, :2] = 1e300, -1e300
-    eye = eye_between(adversarial(1), np.full(3, np.inf), 0.0, 1.0)._replace(perspective=perspective)
+    eye = hs.eye_between(perspective, (64.0, 64.0), (np.inf,) * 3, (0.5, 9.0), (0.0, 1.0))
     with np.errstate(all="ignore"):
         assert hs.projected(1e300, 1e300, 0.0, rows, eye)[hs.ERROR] == hs.ANYWHERE
 

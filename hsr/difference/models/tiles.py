@@ -18,6 +18,7 @@ from hsr.arrays import Array, Ints
 from hsr.difference.models import scanline as scanned
 from hsr.difference.models.rounded import tessellation
 from hsr.difference.models.stages import Cause, Pipeline, Stage, rerun
+from hsr.kernels.projection import clip_rows
 from hsr.viewing import View
 from hsr.visibility import BACKGROUND
 
@@ -41,12 +42,13 @@ def fill_rule(view: View, options: Options, samples: Array) -> Ints:  # noqa: AR
 
 def _drawn(view: View, layers: list[list[int]]) -> Iterator[Ints]:
     """Rasterise each layer by itself, and yield which polygon (H, W) is drawn at each sample."""
-    eye, polygon = eye_of(view, mesh_of(view)), view.polygons.triangle_polygon
+    rows, polygon = clip_rows(view.clip_from_world, view.depth_row), view.polygons.triangle_polygon
+    eye = eye_of(view, mesh_of(view), rows)
     for layer in layers:
         alone = clustered(view, np.flatnonzero(np.isin(polygon, layer)), polygon)
         size = (view.height, view.width)
         answer = np.full(size, BACKGROUND, np.int32), np.full(size, np.inf)
-        draw(view, alone, eye, np.empty((len(alone.vertices), 4)), False, answer)
+        draw(view, alone, rows, eye, np.empty((len(alone.vertices), 4)), False, answer)
         yield answer[0]
 
 
