@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from hsr.kernels import snapped
 
-ONE = np.float32(1.0)
+ONE = np.ones(6, np.float32)
 SINGLES = st.floats(-(2.0**40), 2.0**40, width=32, allow_subnormal=False)
 
 
@@ -76,7 +76,7 @@ def test_outcodes(vertex: list[float], code: int) -> None:
 def test_a_guard_band_widens_the_sides_only() -> None:
     codes = np.empty(2, dtype=np.int32)
     vertices = np.array([[1.5, -1.5, 0.0, 1.0], [0.0, 0.0, 1.5, 1.0]], dtype=np.float32)
-    snapped.outcodes(vertices, np.float32(2.0), codes)
+    snapped.outcodes(vertices, np.array([2, 2, 2, 2, 1, 1], np.float32), codes)
     assert codes.tolist() == [0, 32]
 
 
