@@ -79,7 +79,8 @@ def _print_matrix(results: list[Result]) -> None:
     for result in results:
         table.add_row(result.family.name)
         for row in result.rows:
-            table.add_row(*cells(row))
+            variant, *others = cells(row)
+            table.add_row(f"  {variant}", *others)
     out.print(table)
     skipped = {name: reason for result in results for name, reason in result.skipped.items()}
     for name, reason in skipped.items():

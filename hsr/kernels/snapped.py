@@ -86,9 +86,9 @@ def outcodes(clip: Array, reach: Array, codes: Ints) -> None:
     """
     for i in range(len(clip)):
         x, y, z, w = clip[i]
-        right, left, top, bottom = x > reach[0] * w, x + reach[1] * w < 0, y > reach[2] * w, y + reach[3] * w < 0
-        near, far = z + reach[4] * w < 0, z > reach[5] * w
-        codes[i] = right | left << 1 | top << 2 | bottom << 3 | near << 4 | far << 5
+        sides = (x > reach[0] * w) | (x + reach[1] * w < 0) << 1
+        sides |= (y > reach[2] * w) << 2 | (y + reach[3] * w < 0) << 3
+        codes[i] = sides | (z + reach[4] * w < 0) << 4 | (z > reach[5] * w) << 5
 
 
 @jit

@@ -85,7 +85,7 @@ def depth_texture(context: Context, size: tuple[int, int], buffer: DepthBuffer) 
     """Make a depth texture of a format, in a context that is current."""
     texture = context.gl.depth_texture(size)
     if buffer.internal != GL_DEPTH_COMPONENT24:  # moderngl makes no other
-        make = _function(context, "glTexImage2D", *[ctypes.c_uint] * 2, *[ctypes.c_int] * 4, *[ctypes.c_uint] * 2, ctypes.c_void_p)
+        make = _function(context, "glTexImage2D", *[ctypes.c_int] * 8, ctypes.c_void_p)
         texture.use()
         make(GL_TEXTURE_2D, 0, buffer.internal, *size, 0, GL_DEPTH_COMPONENT, GL_FLOAT, None)
     return texture

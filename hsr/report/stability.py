@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from hsr.experiments.stability.family import GROUPS
 from hsr.experiments.stability.judge import FINE, Result
@@ -57,7 +58,7 @@ def page(results: Sequence[Result], charts: dict[str, str]) -> str:
         SVG documents by family.
     """
     environment = templates()
-    environment.filters["number"] = number
+    environment.filters |= {"number": number, "raised": raised}
     return environment.get_template("stability.html").render(
         results=results,
         groups=GROUPS,
@@ -66,3 +67,8 @@ def page(results: Sequence[Result], charts: dict[str, str]) -> str:
         charts={name: Markup(svg[svg.index("<svg") :]) for name, svg in charts.items()},
         style=style("stability.css"),
     )
+
+
+def raised(formula: str) -> Markup:
+    """Write the powers of a formula, as in ``2^-24`` and ``2^(b+1)``, as HTML does."""
+    return Markup(re.sub(r"\^(-?\w+(?:\.\d+)?|-?\([^)]*\))", r"<sup>\1</sup>", str(escape(formula))))

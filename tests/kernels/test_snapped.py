@@ -120,7 +120,8 @@ def test_a_cut_is_reckoned_from_the_nearer_end() -> None:
     inside, outside = [0.1, 0.3, 0.0, 1.0], [1.7, 0.7, 0.0, 1.0]
     polygon, _ = clipped([inside, outside, [0.1, 0.3, 0.0, 1.0]], 1)
     start, end = np.float32(outside), np.float32(inside)
-    t = (ONE - start[0]) / ((ONE - start[0]) - (ONE - end[0]))
+    one = np.float32(1.0)
+    t = (one - start[0]) / ((one - start[0]) - (one - end[0]))
     assert polygon[1] == (start + t * (end - start)).tolist()
 
 

@@ -32,8 +32,13 @@ def cells(row: Row) -> tuple[str, ...]:
 
 
 def number(value: float | None) -> str:
-    """Write a value of a parameter in three figures; ``-`` if there is none."""
-    return "-" if value is None else f"{value:.3g}"
+    """Write a value in three figures, as ``1,290`` or ``1.91e-6``; ``-`` if there is none."""
+    if value is None:
+        return "-"
+    if value == 0.0 or 1e-3 <= abs(value) < 1e6:
+        return f"{float(f'{value:.3g}'):,.9g}"
+    figures, exponent = f"{value:.2e}".split("e")
+    return f"{figures}e{int(exponent)}"
 
 
 def headline(results: Sequence[Result]) -> str:
