@@ -12,7 +12,7 @@ from markupsafe import Markup, escape
 from hsr.experiments.stability.family import GROUPS
 from hsr.experiments.stability.judge import FINE, Result
 from hsr.experiments.stability.plots import chart
-from hsr.experiments.stability.summary import headline, markdown, number
+from hsr.experiments.stability.summary import headline, matrix, number
 from hsr.output import make_folder, write_whole
 from hsr.report.page import style, templates
 
@@ -29,7 +29,8 @@ def write_folder(results: Sequence[Result], folder: Path) -> list[Path]:
     Returns
     -------
     list of Path
-        ``index.html``, ``results.json``, ``table.md``, and ``FAMILY.svg`` of every family.
+        ``index.html``, ``results.json`` with every point, ``matrix.json`` without, and ``FAMILY.svg``
+        of every family.
 
     Raises
     ------
@@ -41,7 +42,7 @@ def write_folder(results: Sequence[Result], folder: Path) -> list[Path]:
     written = {
         "index.html": page(results, charts),
         "results.json": json.dumps({"hsr": 1, "families": [r.to_json() for r in results]}, indent=1) + "\n",
-        "table.md": markdown(results) + "\n",
+        "matrix.json": json.dumps(matrix(results), indent=1) + "\n",
     } | {f"{name}.svg": svg for name, svg in charts.items()}
     for name, text in written.items():
         write_whole(folder / name, text, "the stability report")

@@ -75,6 +75,10 @@ def draw(result: Result) -> Figure:
     _scale(every[0], result)
     for axes, rows in zip(every, panels, strict=True):
         _draw_panel(axes, result, rows)
+        axes.set_ylabel(result.family.figure_name)
+    _name_what_is_marked(every[0], result)
+    for axes in every:
+        axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize=8.0)
     every[-1].set_xlabel(f"{result.family.parameter}  (harder to the right)")
     return figure
 
@@ -99,12 +103,15 @@ def _draw_panel(axes: Axes, result: Result, rows: Sequence[Row]) -> None:
             _draw_row(axes, row, *next(styles))
         else:
             axes.plot(*_points(row), color=QUIET, linestyle=next(lines), linewidth=1.0, label=row.variant)
-    for letter, (name, value) in zip(ascii_lowercase, result.family.crossings.items(), strict=False):
+    for value in result.family.marked.values():
         axes.axvline(value, color=QUIET, linewidth=0.6, zorder=0)
+
+
+def _name_what_is_marked(axes: Axes, result: Result) -> None:
+    """Put a letter over each marked value, and what it is into the legend."""
+    for letter, (name, value) in zip(ascii_lowercase, result.family.marked.items(), strict=False):
         axes.annotate(letter, (value, 1.0), xycoords=("data", "axes fraction"), ha="center", va="bottom")
         axes.plot([], [], linestyle="none", marker=f"${letter}$", color="black", label=name)
-    axes.set_ylabel(result.family.figure_name)
-    axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize=8.0)
 
 
 def _scale(axes: Axes, result: Result) -> None:

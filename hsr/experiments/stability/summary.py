@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
+from hsr.experiments.machine import commit, machine
 from hsr.experiments.stability.family import CERTIFIED
 from hsr.experiments.stability.judge import Result, Row, Verdict
 
@@ -53,13 +55,34 @@ def headline(results: Sequence[Result]) -> str:
     )
 
 
-def markdown(results: Sequence[Result]) -> str:
-    """Write the ten most instructive rows, as far as they are among the results, as a Markdown table."""
-    found = {(result.family.name, row.variant): (result, row) for result in results for row in result.rows}
+def matrix(results: Sequence[Result]) -> dict[str, Any]:
+    """Return the rows without their points, and what they were made with, as JSON values."""
+    families = [result.to_json() for result in results]
+    for family in families:
+        family["rows"] = [
+            {key: value for key, value in row.items() if key not in ("points", "curve")}
+            for row in family["rows"]
+        ]
+    made_with = {"commit": commit(), "versions": machine().versions}
+    return {"hsr": 1, **made_with, "headline": headline(results), "families": families}
+
+
+def markdown(families: Sequence[Mapping[str, Any]]) -> str:
+    """Write the ten most instructive rows, as far as they are there, as a Markdown table.
+
+    Parameters
+    ----------
+    families : sequence of mapping
+        Those of :func:`matrix`.
+    """
+    found = {
+        (family["family"], row["variant"]): (family, row) for family in families for row in family["rows"]
+    }
     table = ["| hard case | what is swept | variant | theory | predicted | measured | certified, wrong |"]
     table.append("|---|---|---|---|---:|---:|---:|")
-    for result, row in (found[key] for key in INSTRUCTIVE if key in found):
-        certified = sum(other.wrong for other in result.rows if other.variant in CERTIFIED)
-        facts = (row.variant, row.because, number(row.predicted), number(row.measured), str(certified))
-        table.append(f"| {' | '.join((result.family.name, result.family.parameter, *facts))} |")
+    for family, row in (found[key] for key in INSTRUCTIVE if key in found):
+        certified = sum(other["wrong"] for other in family["rows"] if other["variant"] in CERTIFIED)
+        broken = (number(row["predicted"]), number(row["measured"]), str(certified))
+        facts = (family["family"], family["parameter"], row["variant"], f"`{row['because']}`", *broken)
+        table.append(f"| {' | '.join(facts)} |")
     return "\n".join(table)

@@ -9,7 +9,7 @@ import pytest
 from hsr.experiments.stability.family import family_named
 from hsr.experiments.stability.judge import Result, judge
 from hsr.experiments.stability.plots import chart, draw
-from hsr.experiments.stability.summary import HEADINGS, cells, headline, markdown
+from hsr.experiments.stability.summary import HEADINGS, cells, headline, markdown, matrix
 
 
 @pytest.fixture(scope="module")
@@ -49,5 +49,5 @@ def test_summaries(result: Result) -> None:
     assert "certified methods: 0 wrong samples; 0 unexplained" in told
     row = dict(zip(HEADINGS, cells(result.rows[1]), strict=True))
     assert row["variant"] == "int32" and row["mostly by"] == "planted mistake" and row["predicted"] == "73.9"
-    head, _, line = markdown([result]).splitlines()
-    assert head.count("|") == line.count("|") and "| int32 | sqrt(2^31 / 6) / 2^8 px | 73.9 |" in line
+    head, _, line = markdown(matrix([result])["families"]).splitlines()
+    assert head.count("|") == line.count("|") and "| int32 | `sqrt(2^31 / 6) / 2^8 px` | 73.9 |" in line

@@ -60,9 +60,8 @@ FAMILY = Family(
         ),
         Variant(
             "raycast-woop-float32",
-            lambda side: 1.0 / (outline(side) * U32),
-            "2^24 / (2 pi R^2): a band of u D",
-            8.0,
+            lambda side: 4.0 / (outline(side) * U32),
+            "2^26 / (2 pi R^2): a band of u D / 4, half a spacing on average",
         ),
     ),
 )

@@ -42,9 +42,9 @@ FAMILY = Family(
     sweep=powers_of_two(2, 13),
     scene=scene,
     variants=(
-        Variant("scanline-snap-4", lambda side: max(4.0, first_wrong(4, side)), "2^(b+4) / W spokes", 8.0),
-        Variant("scanline-snap-8", lambda side: first_wrong(8, side), "2^(b+4) / W spokes", 8.0),
-        Variant("opengl", lambda side: first_wrong(8, side), "2^(b+4) / W spokes", 8.0),
-        Variant("scanline-direct", lambda side: first_wrong(50, side), "2^(b+4) / W, with b = 50", 8.0),
+        Variant("scanline-snap-4", lambda side: max(4.0, first_wrong(4, side)), "2^(b+4) / W spokes"),
+        Variant("scanline-snap-8", lambda side: first_wrong(8, side), "2^(b+4) / W spokes"),
+        Variant("opengl", lambda side: first_wrong(8, side), "2^(b+4) / W spokes"),
+        Variant("scanline-direct", lambda side: first_wrong(50, side), "2^(b+4) / W, with b = 50"),
     ),
 )

@@ -51,7 +51,7 @@ FAMILY = Family(
     sweep=powers_of_two(0, 50, 2),
     scene=scene,
     variants=(
-        Variant("scanline-direct", lambda side: first_wrong(U64, side), "2^53 / (72 W)", 16.0),
-        Variant("opengl", lambda side: first_wrong(U32, side), "2^24 / (72 W)", 16.0),
+        Variant("scanline-direct", lambda side: first_wrong(U64, side), "2^53 / (72 W)"),
+        Variant("opengl", lambda side: first_wrong(U32, side), "2^24 / (72 W)"),
     ),
 )
