@@ -15,6 +15,8 @@ from itertools import cycle
 from string import ascii_lowercase
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from hsr.experiments.stability.family import CERTIFIED
 from hsr.experiments.stability.judge import Result, Row
 
@@ -97,7 +99,8 @@ def _draw_panel(axes: Axes, result: Result, rows: Sequence[Row]) -> None:
     for row in result.rows:
         if row.variant in CERTIFIED:
             _draw_certified(axes, row)
-    styles, lines = zip(COLOURS, MARKERS, strict=True), cycle(LINES)
+    # Marks become smaller, so that those of equal rows show as rings about each other.
+    styles, lines = zip(COLOURS, MARKERS, np.linspace(8.0, 3.0, len(COLOURS)), strict=True), cycle(LINES)
     for row in rows:
         if row.because:
             _draw_row(axes, row, *next(styles))
@@ -119,7 +122,8 @@ def _scale(axes: Axes, result: Result) -> None:
     values = [abs(value) for value in result.family.sweep if value]
     if max(values) / min(values) > 16.0:
         if 0.0 in result.family.sweep:
-            axes.set_xscale("symlog", base=2, linthresh=min(values), linscale=0.5)
+            room = 0.08 * math.log2(max(values) / min(values))  # for 0, in octaves
+            axes.set_xscale("symlog", base=2, linthresh=min(values), linscale=max(0.5, room))
         else:
             axes.set_xscale("log", base=2)
     if not result.family.ascending:
@@ -141,13 +145,13 @@ def _draw_certified(axes: Axes, row: Row) -> None:
     axes.plot(*_points(row), color=colour, linewidth=thick, label=label, zorder=1, clip_on=False)
 
 
-def _draw_row(axes: Axes, row: Row, colour: str, marker: str) -> None:
+def _draw_row(axes: Axes, row: Row, colour: str, marker: str, size: float) -> None:
     line = "none" if row.curve else "-"
     axes.plot(
         *_points(row),
         color=colour,
         marker=marker,
-        markersize=4.0,
+        markersize=size,
         linestyle=line,
         linewidth=1.0,
         label=row.variant,
