@@ -13,7 +13,7 @@ from typing import Any
 
 from hsr.experiments.publish import to_markdown, to_svg
 from hsr.experiments.results import Results, load_results
-from hsr.experiments.stability.summary import markdown
+from hsr.experiments.stability.summary import headline, markdown
 
 ROOT = Path(__file__).parent.parent
 README = ROOT / "README.md"
@@ -48,7 +48,7 @@ def hard_cases(matrix: dict[str, Any]) -> str:
     versions = ", ".join(f"{name} {version}" for name, version in matrix["versions"].items())
     drivers = {driver for family in matrix["families"] for driver in family["drivers"].values()}
     made_with = "; ".join([f"Commit {matrix['commit'] or 'unknown'}", versions, *sorted(drivers)])
-    told = f"{matrix['headline']}. {made_with}. Written by `hsr stability -o reports/stability`."
+    told = f"{headline(matrix['families'])}. {made_with}. Written by `hsr stability -o reports/stability`."
     chart = "![Resolution of depth formats](reports/stability/parallel-pair.svg)"
     return "\n\n".join([HARD_BEGIN, chart, markdown(matrix["families"]), told, HARD_END])
 

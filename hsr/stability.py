@@ -73,7 +73,7 @@ def run(
 
 
 def _print_matrix(results: list[Result]) -> None:
-    from hsr.experiments.stability.summary import HEADINGS, cells, headline
+    from hsr.experiments.stability.summary import HEADINGS, cells, headline, matrix
 
     table = new_table(*HEADINGS, right=("wrong", "unexplained", "predicted", "measured"))
     for result in results:
@@ -85,7 +85,7 @@ def _print_matrix(results: list[Result]) -> None:
     skipped = {name: reason for result in results for name, reason in result.skipped.items()}
     for name, reason in skipped.items():
         say(f"{name}: {reason}")
-    say(headline(results))
+    say(headline(matrix(results)["families"]))
 
 
 @stability_app.command()

@@ -63,7 +63,7 @@ def page(results: Sequence[Result], charts: dict[str, str]) -> str:
     return environment.get_template("stability.html").render(
         results=results,
         groups=GROUPS,
-        headline=headline(results),
+        headline=headline(matrix(results)["families"]),
         fine=FINE,
         charts={name: Markup(svg[svg.index("<svg") :]) for name, svg in charts.items()},
         style=style("stability.css"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -43,15 +44,25 @@ def number(value: float | None) -> str:
     return f"{figures}e{int(exponent)}"
 
 
-def headline(results: Sequence[Result]) -> str:
-    """Sum up in one sentence: families, rows, verdicts, and what certified methods got wrong."""
-    rows = [row for result in results for row in result.rows]
-    counts = [f"{sum(row.verdict == verdict for row in rows)} {verdict}" for verdict in Verdict]
-    certified = sum(row.wrong for row in rows if row.variant in CERTIFIED)
-    unexplained = sum(row.unexplained for row in rows)
+def headline(families: Sequence[Mapping[str, Any]]) -> str:
+    """Sum up in one sentence: rows, verdicts, what certified methods got wrong, what is unexplained.
+
+    Parameters
+    ----------
+    families : sequence of mapping
+        Those of :func:`matrix`.
+    """
+    rows = [row for family in families for row in family["rows"]]
+    counts = [f"{sum(row['verdict'] == verdict for row in rows)} {verdict}" for verdict in Verdict]
+    certified = sum(row["wrong"] for row in rows if row["variant"] in CERTIFIED)
+    unexplained: Counter[str] = Counter()
+    for row in rows:
+        unexplained[row["variant"]] += row["unexplained"]
+    whose = ", ".join(f"{name} {count}" for name, count in unexplained.items() if count)
     return (
-        f"{len(results)} {'family' if len(results) == 1 else 'families'}, {len(rows)} rows: "
-        f"{', '.join(counts)}; certified methods: {certified} wrong samples; {unexplained} unexplained"
+        f"{len(families)} {'family' if len(families) == 1 else 'families'}, {len(rows)} rows: "
+        f"{', '.join(counts)}; certified methods: {certified} wrong samples; "
+        f"{unexplained.total()} unexplained{f' ({whose})' if whose else ''}"
     )
 
 
@@ -64,7 +75,7 @@ def matrix(results: Sequence[Result]) -> dict[str, Any]:
             for row in family["rows"]
         ]
     made_with = {"commit": commit(), "versions": machine().versions}
-    return {"hsr": 1, **made_with, "headline": headline(results), "families": families}
+    return {"hsr": 1, **made_with, "families": families}
 
 
 def markdown(families: Sequence[Mapping[str, Any]]) -> str:

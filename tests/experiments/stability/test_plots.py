@@ -44,7 +44,7 @@ def test_signs_zeros_and_descent_have_a_place(name: str) -> None:
 
 
 def test_summaries(result: Result) -> None:
-    told = headline([result])
+    told = headline(matrix([result])["families"])
     assert told.startswith("1 family, 3 rows: 2 holds, 1 breaks as predicted")
     assert "certified methods: 0 wrong samples; 0 unexplained" in told
     row = dict(zip(HEADINGS, cells(result.rows[1]), strict=True))
