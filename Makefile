@@ -1,7 +1,7 @@
 # make lab    set up, compare all built-in scenes by all methods, write and name the report
 # make test   set up, then lint, types, import rules, tests (with the JIT and without)
 # make proof  the long run: every scene, many sizes; MESHES=DIR adds real meshes
-# make samples  write the course of lessons and the gallery that are kept under reports/
+# make samples  write the report, the course of lessons and the gallery that are kept under reports/
 # make clean  remove the environment and generated reports
 
 PYTHON ?= python3
@@ -11,6 +11,7 @@ REPORT ?= reports/lab.html
 SIZE ?= 512x512
 SHOWN := solids cyclic engineering teapot
 TURNING := solids cyclic teapot
+SAMPLED := exact backface painter scanline scanline-d16 zbuffer raycast opengl
 ROOT := $(shell [ "$$(id -u)" = 0 ] || echo "sudo -n")
 APT := $(ROOT) env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0
 
@@ -23,6 +24,8 @@ install = $(APT) update >/dev/null 2>&1 && $(APT) install -y --no-install-recomm
 lab: $(VENV)/lab.stamp opengl
 	@$(BIN)/hsr compare scenes/*.toml --size $(SIZE) -o $(REPORT)
 
+# Idle threads of one process shall not take the time of the other's.
+test: export OMP_WAIT_POLICY := passive
 test: $(VENV)/test.stamp opengl browser
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -65,6 +68,7 @@ browser:
 		$(call install,chromium,the browser tests); }
 
 samples: $(VENV)/lab.stamp opengl
+	$(BIN)/hsr compare scenes/cyclic.toml scenes/solids.toml --size 192 $(addprefix -a ,$(SAMPLED)) -o reports/sample.html
 	$(BIN)/hsr lesson --all -o reports/lessons
 	$(BIN)/hsr gallery $(addprefix scenes/,$(addsuffix .toml,$(SHOWN))) $(addprefix --turn ,$(TURNING)) -o reports/gallery
 

@@ -8,17 +8,14 @@ zero an infinity instead of an exception. Compiled kernels are cached on disk.
 from __future__ import annotations
 
 import hashlib
-import os
 from collections.abc import Callable
-from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
-# An idle thread of GNU OpenMP spins at its barrier, and on a busy machine takes time from the others.
-os.environ.setdefault("OMP_WAIT_POLICY", "passive")
-os.environ.setdefault("GOMP_SPINCOUNT", "0")
-
 import numba
+import numpy as np
+
+from hsr.arrays import Array
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -42,12 +39,14 @@ def parallel_jit(function: Function) -> Function:
     return cast(Function, numba.njit(cache=True, error_model="numpy", parallel=True)(function))
 
 
-def one_by_one() -> AbstractContextManager[None]:
-    """Within this context, threads take the iterations of ``prange`` loops one by one, as they get free.
+def dealt(pieces: Array) -> Array:
+    """Deal pieces of work of unequal size (n, ...), the largest first, to the threads, to and fro.
 
-    For pieces of work of unequal size, the largest first.
+    Each thread takes one run of the iterations of a ``prange`` loop, all as long: in this order each holds
+    large and small pieces.
     """
-    return cast("AbstractContextManager[None]", numba.parallel_chunksize(1))
+    turn = np.arange(len(pieces)) % (2 * thread_count())
+    return pieces[np.argsort(np.minimum(turn, 2 * thread_count() - 1 - turn), kind="stable")]
 
 
 def forget_stale_kernels(package: Path) -> None:

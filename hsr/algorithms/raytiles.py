@@ -23,7 +23,7 @@ from hsr.algorithms.loose import loose_tables, loose_triangles
 from hsr.algorithms.resolve import first_pieces, resolve
 from hsr.algorithms.tiles import eye_between, format_of, number_bits
 from hsr.arrays import Array, Bools, Floats, Ints
-from hsr.jit import one_by_one
+from hsr.jit import dealt
 from hsr.kernels import doubts, hierarchy, raytiles
 from hsr.kernels.halfspaces import CLUSTER, ERROR, LANES, LOOSE, Eye, U
 from hsr.kernels.projection import clip_rows, to_clip
@@ -381,10 +381,10 @@ def _cast_batch(
     todo = todo[(len(loose) > 0) | (todo[:, 2] < todo[:, 3])]
     shapes, eye, image, room = caster.world.shapes, caster.eye, caster.image, ROOM
     while len(todo):
+        todo = dealt(todo)
         counts = np.zeros((len(todo), raytiles.COUNTS), np.int64)
         noted = np.empty((len(todo), room), doubts.DOUBT) if caster.certified else None
-        with one_by_one():
-            raytiles.cast(shapes, laid, special, listed, todo, eye, kept, image, noted, counts)
+        raytiles.cast(shapes, laid, special, listed, todo, eye, kept, image, noted, counts)
         used = counts[:, doubts.USED]
         done = used <= room
         parts = [] if noted is None else [noted[k, : used[k]] for k in np.flatnonzero(done & (used > 0))]

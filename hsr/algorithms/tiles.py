@@ -23,7 +23,7 @@ import numpy as np
 from hsr.algorithms.loose import loose_tables, loose_triangles
 from hsr.algorithms.resolve import resolve
 from hsr.arrays import Array, Floats, Ints
-from hsr.jit import one_by_one
+from hsr.jit import dealt
 from hsr.kernels import doubts, halfspaces, hierarchy, tiles
 from hsr.kernels.bounds import nearness_of
 from hsr.kernels.halfspaces import BACK, CLUSTER, FRONT, Eye, U
@@ -120,6 +120,8 @@ class Mesh(NamedTuple):
         Its number among the fans of the polygons.
     low, high : (clusters, 3) float64
         The boxes around the clusters.
+    box : (2, 3) float64
+        That around them all.
     slack : (3,) float64
         By how much the vertices, which are rounded, may miss the true ones.
     """
@@ -131,6 +133,7 @@ class Mesh(NamedTuple):
     number: Ints
     low: Floats
     high: Floats
+    box: Floats
     slack: Floats
 
 
@@ -152,14 +155,16 @@ def clustered(view: View, chosen: Array, faces: Ints) -> Mesh:
     low, high = hierarchy.boxes_of(polygons.vertices, polygons.triangle_vertex[chosen])
     order, _ = along_the_curve(low, high)
     number, first = chosen[order].astype(np.int32), np.arange(0, len(order), CLUSTER)
+    low, high = np.minimum.reduceat(low[order], first), np.maximum.reduceat(high[order], first)
     return Mesh(
         polygons.vertices[vertex],
         place[polygons.triangle_vertex[number]],
         polygons.cull[polygons.triangle_polygon[number]],
         faces[number],
         number,
-        np.minimum.reduceat(low[order], first),
-        np.maximum.reduceat(high[order], first),
+        low,
+        high,
+        np.stack([low.min(axis=0), high.max(axis=0)]),
         world_slack(view),
     )
 
@@ -200,7 +205,7 @@ def eye_of(view: View, mesh: Mesh) -> Eye:
     taken for w: fewer than sixteen roundings, each of at most the sum of the magnitudes.
     """
     rows = clip_rows(view.clip_from_world, view.depth_row)
-    low, high = mesh.low.min(axis=0), mesh.high.max(axis=0)
+    low, high = mesh.box
     size = abs(rows[:, :3]) @ np.maximum(abs(low), abs(high)) + abs(rows[:, 3])
     error = 16.0 * U * size + abs(rows[:, :3]) @ mesh.slack
     ends = np.stack([rows[2, :3] * low, rows[2, :3] * high])
@@ -271,10 +276,10 @@ def draw(
 
     found, total, room = [np.empty(0, doubts.DOUBT)], np.zeros(tiles.COUNTS, np.int64), ROOM
     while len(todo):
+        todo = dealt(todo)
         counts = np.zeros((len(todo), tiles.COUNTS), np.int64)
         noted = np.empty((len(todo), room), doubts.DOUBT) if certified else None
-        with one_by_one():
-            tiles.rasterise(prepared, extent, listed, todo, loose, eye, noted, counts, *answer)
+        tiles.rasterise(prepared, extent, listed, todo, loose, eye, noted, counts, *answer)
         used = counts[:, doubts.USED]
         if noted is not None:
             found += [noted[k, : used[k]] for k in np.flatnonzero(used <= room)]

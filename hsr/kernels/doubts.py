@@ -183,6 +183,7 @@ def fill(
         if end - begin > WIDE:
             first, last = span_of(row, bound, left, begin, end)
         for start in range(first, last, LANES):
+            here_doubtful = False
             for lane in range(LANES):
                 inner, z = at(row, float(start - left + lane), limits)
                 key = key_of(z, mask, number)
@@ -191,8 +192,8 @@ def fill(
                 inside, nearer_by = inner >= bound, old - key
                 here[place] = key if inside & (nearer_by > gap) else old
                 if certify is not None:
-                    beside = (inner > -bound) & (inner < bound)
-                    doubtful |= beside | (inside & (nearer_by <= gap) & (nearer_by >= -gap))
+                    here_doubtful |= (abs(inner) < bound) | (inside & (abs(nearer_by) <= gap))
+            doubtful |= here_doubtful
     return doubtful
 
 

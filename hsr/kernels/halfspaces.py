@@ -188,13 +188,14 @@ def gather(screen: Floats, corner: Ints, cull: Array, first: int, table: Floats)
     int
         How many there are.
     """
-    n = np.uintp(min(len(corner) - first, CLUSTER))
+    # Unsigned indices cannot count from the end, which would be tested at each.
+    n, start = np.uintp(min(len(corner) - first, CLUSTER)), np.uintp(first)
     for i in range(n):
-        triangle = first + np.int64(i)
-        for k in range(3):
-            for part in range(4):
-                table[GATHERED + (4 * k + part) * CLUSTER + i] = screen[corner[triangle, k], part]
-        table[CULL + i], table[NUMBER + i] = cull[triangle], triangle
+        for k in range(np.uintp(3)):
+            vertex, place = screen[np.uintp(corner[start + i, k])], np.uintp(GATHERED + 4 * CLUSTER * k) + i
+            for part in range(np.uintp(4)):
+                table[place + part * np.uintp(CLUSTER)] = vertex[part]
+        table[np.uintp(CULL) + i], table[np.uintp(NUMBER) + i] = cull[start + i], start + i
     return int(n)
 
 

@@ -331,13 +331,18 @@ def is_hidden(z: float, cells: Cells, keys: Array, farthest: Floats, stale: Arra
 
     Where there are no cells, it does.
     """
+    # Nothing gets farther: what was known of a cell is still a bound.
     for row in range(cells[0], cells[1]):
         for column in range(cells[2], cells[3]):
-            if stale[row, column]:
+            if not z > farthest[row, column] and not stale[row, column]:
+                return False
+    for row in range(cells[0], cells[1]):
+        for column in range(cells[2], cells[3]):
+            if not z > farthest[row, column]:
                 stale[row, column] = False
                 farthest[row, column] = farthest_in(keys, row * CELL, column * CELL)
-            if not z > farthest[row, column]:
-                return False
+                if not z > farthest[row, column]:
+                    return False
     return True
 
 

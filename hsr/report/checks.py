@@ -1,7 +1,8 @@
-"""The page of a test run: every check, failed first, with pictures and what to decide."""
+"""The page of a test run: every check, failed first, with what to inspect and what to decide."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -9,12 +10,14 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from hsr.difference.classes import compare
 from hsr.output import write_whole
-from hsr.report.album import Album, gather_pair, gather_pictures
-from hsr.report.page import part, style, templates
-from hsr.shading import face_picture
-from hsr.visibility import load_map
+from hsr.report.inspection import Shown, inspection, key
+from hsr.report.page import HELP, part, policy, style, templates
+from hsr.report.pictures import class_picture, data_uri, opaque
+from hsr.shading import face_picture, shade
+
+STORIES = 48
+"""How many samples of a failed check have their history in the page: about a second, however many fail."""
 
 
 def write_page(
@@ -35,18 +38,23 @@ def write_page(
     Raises
     ------
     HsrError
-        If a map cannot be read, or the page cannot be written.
+        If the page cannot be written.
     """
-    album = Album()
-    scenes: list[dict[str, Any]] = []
-    shown = []
+    shown: list[dict[str, Any]] = []
+    data: list[dict[str, Any]] = []
     for test, check in checks:
-        place, thumbs = None, []
-        if check["shown"]:
-            place = len(scenes)
-            scenes.append(_pictures(check, path.parent, album))
-            thumbs = _thumbs(scenes[-1])
-        shown.append({**check, "test": test, "scene": place, "thumbs": thumbs})
+        found: dict[str, Any] = {
+            **check,
+            "test": test,
+            "thumbs": [],
+            "pictures": _pictures(check, path.parent),
+        }
+        if check["inspection"]:
+            kept = json.loads((path.parent / check["inspection"]).read_text(encoding="utf-8"))
+            found |= {"thumbs": kept["thumbs"], "scene": len(data)}
+            data.append(kept["scene"])
+        shown.append(found)
+    sheet, scripts = style("inspector.css", "checks.css"), (part("viewer.js"), part("decisions.js"))
     text = (
         templates()
         .get_template("checks.html")
@@ -57,32 +65,43 @@ def write_page(
             passed=[check for check in shown if check["passed"]],
             run=run,
             unused=unused,
-            lab={"pictures": album.uris, "scenes": scenes},
-            style=style("checks.css"),
-            script=part("checks.js"),
-            decisions=part("decisions.js"),
+            help=HELP,
+            key=key() if data else None,
+            data=data,
+            style=sheet,
+            scripts=scripts,
+            policy=policy(sheet, *scripts),
         )
     )
     write_whole(path, text, "the page")
 
 
-def _pictures(check: Mapping[str, Any], folder: Path, album: Album) -> dict[str, Any]:
-    """Gather what a failed check shows: two maps, two pictures, or one map without a baseline."""
-    files = {what: folder / check[what] for what in ("expected", "shown") if check[what]}
-    if check["weaker"]:
-        pictures = {what: np.asarray(Image.open(file)) for what, file in files.items()}
-        return gather_pictures(check["key"], pictures, album)
-    maps = {what: load_map(file) for what, file in files.items()}
-    if len(maps) == 1:
-        return gather_pictures(check["key"], {"shown": face_picture(maps["shown"])}, album)
-    return gather_pair(check["key"], check["name"], compare(maps["shown"], maps["expected"]), album)
+def inspected(shown: Shown) -> dict[str, Any]:
+    """Gather what the page keeps of the maps of a failed check, for :func:`write_page`.
+
+    Parameters
+    ----------
+    shown : Shown
+        By the key of the check.
+
+    Returns
+    -------
+    dict
+        JSON values: ``scene``, for the inspector; ``thumbs``, small pictures that lead to it, each the name
+        of its map, what it shows, and its data URI. The first is what the inspector calls the picture.
+    """
+    base = shown.reference or next(iter(shown.maps))
+    map = shown.maps[base]
+    picture = face_picture(map) if shown.view is None else shade(map, shown.view)
+    thumbs = [(base, "faces" if shown.view is None else "picture", data_uri(opaque(picture)))]
+    for name, difference in shown.differences.items():
+        thumbs.append((name, "where it differs", data_uri(class_picture(difference))))
+    return {"scene": inspection(shown, STORIES), "thumbs": thumbs}
 
 
-def _thumbs(scene: Mapping[str, Any]) -> list[tuple[int, str, str]]:
-    """Return which pictures stand beside a verdict: place, kind and name."""
-    return [
-        (place, kind, method["name"])
-        for place, method in enumerate(scene["methods"])
-        for kind in method["layers"]
-        if kind != "depth"
-    ]
+def _pictures(check: Mapping[str, Any], folder: Path) -> list[tuple[str, str]]:
+    """Return the pictures that a weaker check compared: what each is, and its data URI."""
+    if not check["weaker"] or check["passed"]:
+        return []
+    files = {what: folder / check[what] for what in ("expected", "shown")}
+    return [(what, data_uri(opaque(np.asarray(Image.open(file))))) for what, file in files.items()]

@@ -17,7 +17,7 @@ from hsr.difference.models.stages import Cause
 from hsr.difference.study import Study, study
 from hsr.errors import HsrError
 from hsr.output import write_whole
-from hsr.report.page import style, templates
+from hsr.report.page import policy, style, templates
 from hsr.scene.model import MatrixCamera, Scene
 from hsr.shading import depth_picture, face_picture, save_picture, shade
 from hsr.viewing import view
@@ -101,7 +101,12 @@ def write_gallery(
         save_picture(shade(measured.maps["exact"], measured.view), folder / f"{name}.png")
         shown.append(Shown(name, measured, name in turning))
     save_picture(overview(list(scenes.values())), folder / "overview.png")
-    page = templates().get_template("gallery.html").render(shown=shown, size=size, style=style("gallery.css"))
+    sheet = style("gallery.css")
+    page = (
+        templates()
+        .get_template("gallery.html")
+        .render(shown=shown, size=size, style=sheet, policy=policy(sheet, images="'self' file:"))
+    )
     write_whole(folder / "index.html", page, "the gallery")
 
 

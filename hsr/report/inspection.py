@@ -7,11 +7,11 @@ than rounding explains. Elsewhere its depths are given as those of the base.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import zip_longest
 from typing import Any, NamedTuple
 
 import numpy as np
-from matplotlib import colormaps
 from scipy import ndimage
 
 from hsr.arrays import Array, Floats, Ints
@@ -20,12 +20,13 @@ from hsr.difference.classes import OTHER_OWNER, Difference, SampleClass
 from hsr.difference.history import MISSED, history
 from hsr.difference.models.stages import Cause
 from hsr.difference.study import Study
-from hsr.errors import ViewError
+from hsr.errors import MapError, ViewError
 from hsr.report.outlines import outlines
 from hsr.report.overlays import SMALLEST, Drawn
 from hsr.report.packing import pack, pack_json
 from hsr.report.pictures import CAUSE_COLOURS, CLASS_COLOURS
 from hsr.shading import depth_span, face_colours, facing
+from hsr.viewing import View
 from hsr.visibility import BACKGROUND, VisibilityMap
 
 STORIES = 256
@@ -53,6 +54,8 @@ def key() -> dict[str, Any]:
         up; ``farthest`` and ``empty``: levels of depth; ``smallest``: the power of two of size 0;
         ``missed``: the words above faces beside the sample.
     """
+    from matplotlib import colormaps  # only pages need it, and it takes long to load
+
     return {
         "classes": [None, *(_sign(kind, CLASS_LETTERS, CLASS_COLOURS[kind]) for kind in CLASS_COLOURS)],
         "causes": [None, *(_sign(cause, CAUSE_LETTERS, CAUSE_COLOURS[cause]) for cause in CAUSE_COLOURS)],
@@ -69,20 +72,49 @@ def _sign(kind: SampleClass | Cause, letters: str, colour: tuple[int, int, int])
     return {"label": kind.label, "letter": letters[kind], "colour": colour}
 
 
-def inspection(study: Study) -> dict[str, Any]:
+class Shown(NamedTuple):
+    """What the inspector can show besides a study: maps, whoever made them, of a view that may be unknown.
+
+    Attributes
+    ----------
+    name : str
+    view : View or None
+        What the maps show; without it there are no edges, no overlays and no histories.
+    maps : mapping of str to VisibilityMap
+        One at least, by the name under which the page speaks of them.
+    reference : str or None
+        The one the others are judged against.
+    differences : mapping of str to Difference
+        Of the others from it.
+    causes : mapping of str to Causes
+        As far as they are known.
+    """
+
+    name: str
+    view: View | None
+    maps: Mapping[str, VisibilityMap]
+    reference: str | None
+    differences: Mapping[str, Difference]
+    causes: Mapping[str, Causes]
+
+
+def inspection(study: Study | Shown, most: int = STORIES) -> dict[str, Any]:
     """Gather what the inspector shows of a study.
 
     Parameters
     ----------
-    study : Study
+    study : Study or Shown
         With one map at least.
+    most : int
+        How many samples have their history told.
 
     Returns
     -------
     dict
         JSON values, arrays packed by :func:`hsr.report.packing.pack`:
 
-        * ``name``, ``size`` (width, height);
+        * ``name``, ``size`` (width, height); ``drawn``: whether the view is known, and with it what is
+          below called ``sizes``, ``facing``, ``complexity``, ``edges`` and ``hidden``;
         * ``base``: place among the methods of the one whose map is whole, the reference if there is one;
           ``judged``: whether there is;
         * ``names`` (n,), deflated JSON, and ``colours`` (n, 3) of the faces that some method shows,
@@ -101,26 +133,21 @@ def inspection(study: Study) -> dict[str, Any]:
           histories from being told at all.
     """
     base = _Whole(study)
-    chosen, wanted = _order(study)
+    chosen, wanted = _order(study, most)
     stories = _stories(study, chosen)
-    seen = np.unique(base.map.face[base.map.face != BACKGROUND])
-    drawn = Drawn(study.view)
     return {
         "name": study.name,
-        "size": [study.view.width, study.view.height],
-        "base": list(study.maps).index(base.map.method),
+        "size": [base.map.width, base.map.height],
+        "drawn": study.view is not None,
+        "base": list(study.maps).index(base.name),
         "judged": study.reference is not None,
         "names": pack_json([base.map.name_of(face) for face in base.faces.tolist()]),
         "colours": pack(face_colours(base.faces)),
-        "sizes": pack(drawn.sizes(base.faces[1:])),
         "index": pack(base.index, 0),
         "span": base.span,
         "depth": pack(base.depth, 1, 0),
-        "facing": pack((facing(base.map, study.view) % 3).astype(np.uint8)),
-        "complexity": pack(drawn.complexity()),
-        "edges": _edges(study, seen),
-        "hidden": _edges(study, np.setdiff1d(stories.faces, seen)),
-        "methods": [_method(study, map, base) for map in study.maps.values()],
+        **_drawing(study.view, base, stories.faces),
+        "methods": [_method(study, name, map, base) for name, map in study.maps.items()],
         "stories": pack_json(stories.parts),
         "told": len(stories.parts),
         "wanted": wanted,
@@ -133,6 +160,7 @@ class _Whole:
 
     Attributes
     ----------
+    name : str
     map : VisibilityMap
     faces : (n,) int32
         Those that some method shows, ascending, the background first.
@@ -141,8 +169,9 @@ class _Whole:
         Place among ``faces``, and level in ``span``.
     """
 
-    def __init__(self, study: Study) -> None:
-        self.map = study.maps[study.reference or next(iter(study.maps))]
+    def __init__(self, study: Study | Shown) -> None:
+        self.name = study.reference or next(iter(study.maps))
+        self.map = study.maps[self.name]
         shown = [np.unique(map.face) for map in study.maps.values()]
         self.faces = np.unique(np.concatenate([[BACKGROUND], *shown])).astype(np.int32)
         self.span = depth_span(self.map)
@@ -165,14 +194,29 @@ def _levels(depth: Floats, span: tuple[float, float]) -> Array:
     return np.where(seen, np.rint(FARTHEST * share), EMPTY).astype(np.uint16)
 
 
-def _edges(study: Study, faces: Ints) -> dict[str, Any]:
-    points, ends = outlines(study.view, faces)
+def _drawing(view: View | None, base: _Whole, told: Ints) -> dict[str, Any]:
+    """Gather what only the view tells: overlays, edges of the faces that are shown, and of others told of."""
+    if view is None:
+        return {}
+    drawn = Drawn(view)
+    seen = np.unique(base.map.face[base.map.face != BACKGROUND])
+    return {
+        "sizes": pack(drawn.sizes(base.faces[1:])),
+        "facing": pack((facing(base.map, view) % 3).astype(np.uint8)),
+        "complexity": pack(drawn.complexity()),
+        "edges": _edges(view, seen),
+        "hidden": _edges(view, np.setdiff1d(told, seen)),
+    }
+
+
+def _edges(view: View, faces: Ints) -> dict[str, Any]:
+    points, ends = outlines(view, faces)
     return {"points": pack(points), "ends": pack(ends, 0)}
 
 
-def _method(study: Study, map: VisibilityMap, base: _Whole) -> dict[str, Any]:
+def _method(study: Study | Shown, name: str, map: VisibilityMap, base: _Whole) -> dict[str, Any]:
     """Gather what one method shows differently."""
-    difference, why = study.differences.get(map.method), study.causes.get(map.method)
+    difference, why = study.differences.get(name), study.causes.get(name)
     none = np.zeros(map.face.shape, dtype=np.uint8)
     classes = none if difference is None else difference.classes
     differs = (map.face != base.map.face) | (classes > SampleClass.SAME)
@@ -180,7 +224,7 @@ def _method(study: Study, map: VisibilityMap, base: _Whole) -> dict[str, Any]:
     index, depth = base.of(map, samples)
     clusters = () if difference is None else difference.clusters[:CLUSTERS]
     return {
-        "name": map.method,
+        "name": name,
         "differs": pack(np.packbits(differs)),
         "index": pack(index - base.index.ravel()[samples]),
         "depth": pack(depth - base.depth.ravel()[samples]),
@@ -201,8 +245,11 @@ class Stories(NamedTuple):
     obstacle: str
 
 
-def _stories(study: Study, samples: Array) -> Stories:
-    known = study.causes or _causes(study)
+def _stories(study: Study | Shown, samples: Array) -> Stories:
+    if study.view is None:
+        return Stories({}, np.zeros(0, np.int32), "nothing says which scene the maps show")
+    causes_of = study.causes or _causes(study.view, study.maps)
+    known = {study.maps[name].method: why for name, why in causes_of.items()}
     maps = list(study.maps.values())
     parts: dict[str, Any] = {}
     faces: set[int] = set()
@@ -212,24 +259,24 @@ def _stories(study: Study, samples: Array) -> Stories:
             told = history(study.view, row, column, maps, known)
             parts[str(sample)] = told.parts()
             faces |= {entry.layer.face for entry in told.entries}
-    except ViewError as error:  # a view without an exact answer can still be drawn by other methods
+    except (ViewError, MapError) as error:  # no exact answer, or maps of another scene
         return Stories({}, np.zeros(0, np.int32), str(error))
     return Stories(parts, np.array(sorted(faces), dtype=np.int32), "")
 
 
-def _causes(study: Study) -> dict[str, Causes]:
+def _causes(view: View, maps: Mapping[str, VisibilityMap]) -> dict[str, Causes]:
     """Find the causes in whole maps, where a map that knows the truth is no reference but there."""
-    truth = next((map for map in study.maps.values() if map.admissible is not None), None)
+    truth = next((map for map in maps.values() if map.admissible is not None), None)
     if truth is None:
         return {}
-    return {name: causes(study.view, map, truth) for name, map in study.maps.items() if map is not truth}
+    return {name: causes(view, map, truth) for name, map in maps.items() if map is not truth}
 
 
 DIFFERING = (*OTHER_OWNER, SampleClass.TIE)
 """The classes whose samples have a story: another face is shown."""
 
 
-def _order(study: Study) -> tuple[Array, int]:
+def _order(study: Study | Shown, most: int) -> tuple[Array, int]:
     """Choose the samples whose history is told.
 
     The methods take turns: each names its clusters, the largest first, then its other samples, spread over
@@ -238,24 +285,24 @@ def _order(study: Study) -> tuple[Array, int]:
     Returns
     -------
     samples : (n,) int64
-        STORIES at most.
+        As many as asked for, at most.
     wanted : int
         How many samples differ, for some method, or lie beside one that does.
     """
     if not study.differences:
         return np.zeros(0, dtype=np.int64), 0
     differs = [np.isin(difference.classes, DIFFERING) for difference in study.differences.values()]
-    turns = zip_longest(*map(_spread, study.differences.values()))
+    turns = zip_longest(*(_spread(difference, most) for difference in study.differences.values()))
     named = [sample for turn in turns for sample in turn if sample is not None]
     wanted = ndimage.binary_dilation(np.logical_or.reduce(differs, axis=0), np.ones((3, 3)))
-    samples = dict.fromkeys([*named, *np.flatnonzero(wanted)[:STORIES].tolist()])
-    return np.array(list(samples)[:STORIES], dtype=np.int64), int(np.count_nonzero(wanted))
+    samples = dict.fromkeys([*named, *np.flatnonzero(wanted)[:most].tolist()])
+    return np.array(list(samples)[:most], dtype=np.int64), int(np.count_nonzero(wanted))
 
 
-def _spread(difference: Difference) -> list[int]:
-    """Return the first sample of each cluster, then others spread over the image; STORIES of both at most."""
+def _spread(difference: Difference, most: int) -> list[int]:
+    """Return the first sample of each cluster, then others spread over the image, so many of both at most."""
     width = difference.a.width
-    first = [row * width + column for row, column in (c.sample for c in difference.clusters[:STORIES])]
+    first = [row * width + column for row, column in (c.sample for c in difference.clusters[:most])]
     samples = np.flatnonzero(np.isin(difference.classes, DIFFERING))
-    spread = np.linspace(0, len(samples) - 1, min(len(samples), STORIES)).astype(np.int64)
+    spread = np.linspace(0, len(samples) - 1, min(len(samples), most)).astype(np.int64)
     return [*first, *samples[spread].tolist()]

@@ -32,7 +32,7 @@
         const x = (sample % track.width) * CELL, y = Math.floor(sample / track.width) * CELL;
         const cell = element("svg:g", { class: "empty" },
           element("svg:rect", { x, y, width: CELL, height: CELL }),
-          element("svg:text", { x: x + CELL / 2, y: y + CELL / 2 + 1, "font-size": Math.min(22, 1.4 * CELL / longest) }));
+          element("svg:text", { x: x + CELL / 2, y: y + CELL / 2 + 1, "font-size": Math.min(20, 1.55 * CELL / longest) }));
         if (ties.includes(sample)) cell.append(element("svg:circle", { class: "tie", cx: x + 33, cy: y + 7, r: 3.5 }));
         cell.addEventListener("click", () => toSample(sample));
         return cell;
@@ -189,6 +189,7 @@
     state.asking = waiting;
     go(waiting.at);
     askFace(waiting);
+    $("ask").scrollIntoView({ block: "nearest" });
   }
 
   function nextTurn(way) {
@@ -261,6 +262,7 @@
       return button;
     }));
     $("ask").hidden = false;
+    $("say").classList.toggle("asking", !onQuestion());
   }
 
   function reveal(chosen, right, why, id) {
@@ -268,6 +270,7 @@
     if (chosen !== right) $("choices").children[chosen].classList.add("wrong");
     $("choices").children[right].classList.add("right");
     $("verdict").textContent = why;
+    $("ask").scrollIntoView({ block: "nearest" });
     done.add(id);
     state.answered += 1;
     state.right += chosen === right;
@@ -315,11 +318,9 @@
   function openTrack(number) {
     state.track = number;
     panels = track().panels.map((data) => new Panel(track(), data));
-    const legend = element("p", { class: "legend", "aria-label": "faces" },
-      ...Object.entries(track().faces).map(([face, { name }]) => element("span", {}, ...badge(face).children, name)));
-    if (track().ties.length) legend.append(element("span", {}, "○ more than one face is admissible here"));
-    $("panels").replaceChildren(...panels.map((panel) => panel.element), legend);
-    legend.style.gridColumn = "1 / -1";
+    $("legend").replaceChildren(...Object.entries(track().faces).map(([face, { name }]) => element("span", {}, ...badge(face).children, name)));
+    if (track().ties.length) $("legend").append(element("span", {}, "○ more than one face is admissible here"));
+    $("panels").replaceChildren(...panels.map((panel) => panel.element));
     document.querySelector("main").classList.toggle("two", paired());
     $("hide").hidden = paired();
     $("lines").replaceChildren(...panels[0].data.listing.map(sourceLine));

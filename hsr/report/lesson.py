@@ -11,7 +11,7 @@ from pathlib import Path
 from hsr.lessons.lesson import lesson_of
 from hsr.lessons.topics import Topic
 from hsr.output import write_whole
-from hsr.report.page import part, style, templates
+from hsr.report.page import part, policy, style, templates
 from hsr.scene.model import Scene
 
 
@@ -32,6 +32,7 @@ def write_lesson(topic: Topic, path: str | Path, scene: Scene | None = None) -> 
     """
     recording = json.dumps(lesson_of(topic, scene), ensure_ascii=False, separators=(",", ":"))
     packed = zlib.compress(recording.encode("utf-8"), 9)
+    sheet, script = style("lesson.css"), part("lesson.js")
     page = (
         templates()
         .get_template("lesson.html")
@@ -39,8 +40,9 @@ def write_lesson(topic: Topic, path: str | Path, scene: Scene | None = None) -> 
             title=topic.title,
             lead=topic.lead,
             recording=base64.b64encode(packed).decode("ascii"),
-            style=style("lesson.css"),
-            script=part("lesson.js"),
+            style=sheet,
+            script=script,
+            policy=policy(sheet, script),
         )
     )
     write_whole(path, page, "the lesson")
@@ -63,5 +65,6 @@ def write_course(course: Mapping[str, Topic], folder: str | Path) -> None:
     """
     for name, topic in course.items():
         write_lesson(topic, Path(folder, f"{name}.html"))
-    page = templates().get_template("course.html").render(course=course, style=style("course.css"))
+    sheet = style("course.css")
+    page = templates().get_template("course.html").render(course=course, style=sheet, policy=policy(sheet))
     write_whole(Path(folder, "index.html"), page, "the list of lessons")

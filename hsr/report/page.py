@@ -42,6 +42,7 @@ HELP = (
     ("s o", "swipe, onion skin; , and . move the share of the method"),
     ("i p z", "faces, shaded picture, depth"),
     ("m c", "class map, cause map"),
+    ("Ctrl+← Ctrl+→", "the picture before, the next: faces, shaded, depth, classes, causes"),
     ("n", "stretch the greys of depth over what is in view, and back"),
     ("v", "next overlay: facing, depth complexity, face size, wireframe"),
     ("← ↑ → ↓", "move by one sample, with Shift by ten"),
@@ -115,11 +116,11 @@ def fragment(scene: str, method: str, sample: tuple[int, int] | None = None) -> 
     named = {"scene": scene, "method": method}
     if sample is not None:
         named |= {"x": str(sample[1]), "y": str(sample[0])}
-    return f"#{urlencode(named)}"
+    return f"#{urlencode(named, safe='/')}"
 
 
 def _render(studies: Sequence[Study], title: str, data: Sequence[dict[str, Any]]) -> str:
-    sheet, script = style("report.css") + _colours(), part("viewer.js")
+    sheet, script = style("inspector.css", "report.css") + _colours(), part("viewer.js")
     environment = templates()
     environment.filters |= {"figures": _figures, "milliseconds": _milliseconds, "note": _note, "size": _size}
     return environment.get_template("report.html").render(
@@ -144,7 +145,7 @@ def _render(studies: Sequence[Study], title: str, data: Sequence[dict[str, Any]]
         data=data,
         style=sheet,
         script=script,
-        policy=f"default-src 'none'; img-src data:; style-src {_hash(sheet)}; script-src {_hash(script)}",
+        policy=policy(sheet, script),
     )
 
 
@@ -159,9 +160,9 @@ def templates() -> Environment:
     )
 
 
-def style(own: str) -> Markup:
-    """Return the styles of a page: what every page shares, then its own sheet."""
-    return part("templates/shared.css") + part(f"templates/{own}")
+def style(*own: str) -> Markup:
+    """Return the styles of a page: what every page shares, then its own sheets."""
+    return Markup("").join(part(f"templates/{sheet}") for sheet in ("shared.css", *own))
 
 
 def part(name: str) -> Markup:
@@ -175,8 +176,14 @@ def _colours() -> Markup:
     return Markup("".join(lines))
 
 
+def policy(sheet: str, *scripts: str, images: str = "data:") -> str:
+    """Return a Content Security Policy that allows exactly these inline texts, and images from one place."""
+    allowed = " ".join(map(_hash, scripts)) or "'none'"
+    return f"default-src 'none'; img-src {images}; style-src {_hash(sheet)}; script-src {allowed}"
+
+
 def _hash(text: str) -> str:
-    """Return the name by which a Content Security Policy allows exactly this inline text."""
+    """Return the name by which a policy allows exactly this inline text."""
     return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode('utf-8')).digest()).decode('ascii')}'"
 
 

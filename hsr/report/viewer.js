@@ -58,10 +58,11 @@
 
   async function load(number) {
     const packed = JSON.parse($(`data-${number}`).textContent);
-    const scene = await unpacked(packed, ["colours", "sizes", "index", "depth", "facing", "complexity"]);
+    const drawn = packed.drawn ? ["sizes", "facing", "complexity"] : [];
+    const scene = await unpacked(packed, ["colours", "index", "depth", ...drawn]);
     [scene.width, scene.height] = packed.size;
     [scene.edges, scene.hidden] = await Promise.all(
-      [packed.edges, packed.hidden].map((edges) => unpacked(edges, ["points", "ends"])));
+      [packed.edges, packed.hidden].map((edges) => edges ? unpacked(edges, ["points", "ends"]) : { points: [], ends: [] }));
     scene.methods = await Promise.all(packed.methods.map(
       (method) => unpacked(method, ["differs", "index", "depth", "classes", "causes"])));
     for (const method of scene.methods) {
@@ -112,18 +113,27 @@
 
   const word = ([r, g, b]) => (0xff000000 | (b << 16) | (g << 8) | r) >>> 0; // as ImageData has it
 
+  /** The overlays that can be drawn: without a view none. */
+  const known = () => (scene.drawn ? OVERLAYS : OVERLAYS.slice(0, 1));
+
   /** Colours of numbers: for each kind of picture the whole map, a method's own samples, and a table. */
   function fields() {
     const faces = Uint32Array.from({ length: scene.colours.length / 3 }, (_, k) => word(colourAt(k)));
-    const most = Math.max(2, scene.complexity.reduce((a, b) => Math.max(a, b), 0));
-    const ramp = (share) => word(key.ramp[Math.round(share * (key.ramp.length - 1))]);
-    const greatest = Math.max(1, scene.sizes.reduce((a, b) => Math.max(a, b), 0));
     const table = (marks) => Uint32Array.from(marks, (mark) => (mark ? word(mark.colour) : 0));
     return {
       faces: { whole: scene.index, own: "index", table: faces },
       depth: { whole: scene.depth, own: "depth", table: greys(0, key.farthest) },
       classes: { own: "classes", table: table(key.classes) },
       causes: { own: "causes", table: table(key.causes) },
+      ...(scene.drawn ? overlays() : {}),
+    };
+  }
+
+  function overlays() {
+    const most = Math.max(2, scene.complexity.reduce((a, b) => Math.max(a, b), 0));
+    const ramp = (share) => word(key.ramp[Math.round(share * (key.ramp.length - 1))]);
+    const greatest = Math.max(1, scene.sizes.reduce((a, b) => Math.max(a, b), 0));
+    return {
       facing: { whole: scene.facing, table: Uint32Array.of(0, ...key.facing.map(word)) },
       "depth complexity": { whole: scene.complexity, most, table: Uint32Array.from({ length: 256 }, (_, k) => (k ? ramp(Math.min((k - 1) / (most - 1), 1)) : 0)) },
       "face size": { whole: scene.index, most: greatest, table: Uint32Array.of(0, ...Array.from(scene.sizes, (size) => ramp(size / greatest))) },
@@ -447,6 +457,11 @@
         element("th", "", method.name), element("td", "", swatch(colourAt(index)), scene.names[index]),
         element("td", "number", depthOf(level)), element("td", cause || [1, 2, 3].includes(kind) ? "differs" : "quiet", judged));
       line.firstChild.scope = "row";
+      line.addEventListener("click", () => choose(1, k));
+      line.addEventListener("contextmenu", (event) => {
+        event.preventDefault();
+        choose(0, k);
+      });
       return line;
     }));
   }
@@ -521,7 +536,7 @@
     const ends = (low, high) => [item(key.ramp[0], low), item(key.ramp.at(-1), high)];
     const words = {
       faces: () => ["Colours only tell faces apart."],
-      picture: () => [`Shaded, as ${reference} sees it.`],
+      picture: () => [scene.drawn ? `Shaded, as ${reference} sees it.` : `The faces that ${reference} shows.`],
       depth: () => [`Light ${depthOf(nearest)}, dark ${depthOf(farthest)}.`],
       classes: () => counts("classes"),
       causes: () => counts("causes"),
@@ -578,6 +593,7 @@
   async function open(number, wanted, row, column) {
     [mode, kind, overlay] = ["two-up", "faces", "none"];
     canvases.clear();
+    clearTimeout(remembering);
     scene = null;
     if (!dialog.open) dialog.showModal();
     dialog.setAttribute("aria-busy", "true");
@@ -586,6 +602,7 @@
     scene.fields ??= fields();
     dialog.removeAttribute("aria-busy");
     choices.scene.value = number;
+    choices.overlay.replaceChildren(...known().map((name) => new Option(name, name)));
     for (const chooser of choosers) {
       chooser.replaceChildren(...scene.methods.map(({ name }, k) => new Option(k < 9 ? `${k + 1}  ${name}` : name, k)));
     }
@@ -640,21 +657,45 @@
     return [Math.floor((event.clientY - top - place.y) / place.scale), Math.floor((event.clientX - left - place.x) / place.scale)];
   }
 
+  /** Fingers on a stage: where their middle is, and how far apart they are. */
+  function grip(fingers) {
+    const [first, second = first] = fingers.values();
+    return {
+      x: (first.x + second.x) / 2, y: (first.y + second.y) / 2,
+      apart: Math.hypot(second.x - first.x, second.y - first.y),
+    };
+  }
+
+  /** Move the image with the fingers, and zoom it by what their distance has changed. */
+  function drag(before, now) {
+    moveTo({ ...place, x: place.x + now.x - before.x, y: place.y + now.y - before.y });
+    if (before.apart && now.apart) zoom(now.apart / before.apart, now.x, now.y);
+  }
+
   for (const stage of stages) {
+    const fingers = new Map(); // or the mouse: where each pointer that is down was last
     let travelled = 0;
+    const at = (event) => {
+      const { left, top } = stage.getBoundingClientRect();
+      return { x: event.clientX - left, y: event.clientY - top };
+    };
     stage.addEventListener("wheel", (event) => {
       event.preventDefault();
-      const { left, top } = stage.getBoundingClientRect();
-      zoom(Math.exp(-event.deltaY / 400), event.clientX - left, event.clientY - top);
+      const { x, y } = at(event);
+      zoom(Math.exp(-event.deltaY / 400), x, y);
     }, { passive: false });
     stage.addEventListener("pointerdown", (event) => {
       stage.setPointerCapture(event.pointerId);
-      travelled = 0;
+      if (!fingers.size) travelled = 0;
+      fingers.set(event.pointerId, at(event));
     });
     stage.addEventListener("pointermove", (event) => {
-      if (event.buttons) {
-        travelled += Math.abs(event.movementX) + Math.abs(event.movementY);
-        moveTo({ ...place, x: place.x + event.movementX, y: place.y + event.movementY });
+      if (fingers.has(event.pointerId)) {
+        const before = grip(fingers);
+        fingers.set(event.pointerId, at(event));
+        const now = grip(fingers);
+        travelled += Math.abs(now.x - before.x) + Math.abs(now.y - before.y) + Math.abs(now.apart - before.apart);
+        drag(before, now);
         return;
       }
       if (!scene) return;
@@ -663,14 +704,18 @@
       const method = scene.methods[shown[mode === "two-up" ? stages.indexOf(stage) : 1]];
       $("hover").textContent = inside ? `${position(row, column)}: ${scene.names[shownAt(method, row, column).index]}` : "";
     });
-    stage.addEventListener("pointerup", (event) => travelled < 4 && pick(...sampleUnder(stage, event)));
+    for (const end of ["pointerup", "pointercancel"]) {
+      stage.addEventListener(end, (event) => {
+        fingers.delete(event.pointerId);
+        if (end === "pointerup" && !fingers.size && travelled < 4) pick(...sampleUnder(stage, event));
+      });
+    }
   }
 
   const [modes, kinds] = [MODES, KINDS].map((names) => Object.keys(names));
   const fill = (select, names) => select.append(...names.map((name) => new Option(name, name)));
   fill(choices.mode, modes);
   fill(choices.kind, kinds);
-  fill(choices.overlay, OVERLAYS);
   choices.scene.addEventListener("change", () => open(choices.scene.value));
   choices.mode.addEventListener("change", () => { mode = choices.mode.value; update(); });
   choices.kind.addEventListener("change", () => { kind = choices.kind.value; update(); });
@@ -702,7 +747,7 @@
     "]": () => nextCluster(1),
     "[": () => nextCluster(-1),
     n: normalise,
-    v: () => { overlay = OVERLAYS[(OVERLAYS.indexOf(overlay) + 1) % OVERLAYS.length]; update(); },
+    v: () => { overlay = known()[(known().indexOf(overlay) + 1) % known().length]; update(); },
     y: () => { fromBottom = !fromBottom; update(); },
     g: () => $("go-to").select(),
     " ": blink,
@@ -713,9 +758,16 @@
   };
   for (const name of kinds) actions[KINDS[name]] = () => { kind = name; update(); };
   for (const name of modes) actions[MODES[name]] = () => compareBy(name);
+  const metrics = { ArrowLeft: -1, ArrowRight: 1 };
   const arrows = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] };
 
   dialog.addEventListener("keydown", (event) => {
+    if (event.ctrlKey && event.key in metrics && scene) {
+      kind = kinds.at((kinds.indexOf(kind) + metrics[event.key]) % kinds.length);
+      event.preventDefault();
+      update();
+      return;
+    }
     const typing = ["SELECT", "INPUT"].includes(event.target.tagName) || (event.key === " " && event.target.tagName === "BUTTON");
     if (!scene || event.ctrlKey || event.metaKey || event.altKey || (typing && event.key !== "Escape")) return;
     const digit = /^Digit([1-9])$/.exec(event.code);

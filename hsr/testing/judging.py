@@ -9,7 +9,7 @@ import numpy as np
 
 from hsr.algorithms.registry import methods
 from hsr.arrays import Bools, Ints
-from hsr.difference.cause import causes, pipeline_of
+from hsr.difference.cause import Causes, causes, pipeline_of
 from hsr.difference.classes import OTHER_OWNER, Cluster, Difference, compare, depth_step, find_clusters
 from hsr.difference.history import history
 from hsr.difference.models.stages import Cause
@@ -66,6 +66,8 @@ class Judgement:
     broken : tuple of str
         The limits that are broken, in words.
     problem : Problem or None
+    causes : Causes or None
+        Why samples are wrong, where the truth is known and the method has models.
     """
 
     name: str
@@ -75,6 +77,7 @@ class Judgement:
     counted: int
     broken: tuple[str, ...]
     problem: Problem | None
+    causes: Causes | None
 
     @property
     def passed(self) -> bool:
@@ -185,7 +188,8 @@ def judge(
     difference = compare(shown, expected)
     truth = _truth(expected, problem)
     apart, tied = _apart(difference, truth)
-    masks = _masks(difference, apart, truth, problem)
+    why = _causes(shown, truth, problem) if apart.any() else None
+    masks = _masks(difference, apart, truth, why)
     counted = np.zeros_like(apart)
     for label, mask in masks.items():
         counted |= mask & (label not in limits.allow)
@@ -193,7 +197,7 @@ def judge(
     groups.sort(key=lambda group: (group.allowed, -group.count))
     broken = (*_broken_counts(difference, counted, limits), *_broken_depths(difference, limits))
     ties, count = int(np.count_nonzero(tied)), int(np.count_nonzero(counted))
-    return Judgement(name, difference, tuple(groups), ties, count, broken, problem)
+    return Judgement(name, difference, tuple(groups), ties, count, broken, problem, why)
 
 
 # ---------------------------------------------------------------- what differs, and why
@@ -214,20 +218,24 @@ def _apart(difference: Difference, truth: VisibilityMap | None) -> tuple[Bools, 
     return other & ~tied, tied
 
 
+def _causes(shown: VisibilityMap, truth: VisibilityMap | None, problem: Problem | None) -> Causes | None:
+    """Find why samples are wrong, where the truth is known and the method has models."""
+    method = methods().get(shown.method)
+    if truth is None or problem is None or method is None or pipeline_of(method) is None:
+        return None
+    return causes(problem.view, shown, truth)
+
+
 def _masks(
-    difference: Difference, apart: Bools, truth: VisibilityMap | None, problem: Problem | None
+    difference: Difference, apart: Bools, truth: VisibilityMap | None, why: Causes | None
 ) -> dict[str, Bools]:
     """Part the samples that differ by what makes them so: by cause if that is known, else by class."""
-    if not apart.any():
-        return {}
     wrong = apart if truth is None else apart & ~truth.admits(difference.a.face)
     masks = {REFERENCE_WRONG: apart & ~wrong}
-    method = methods().get(difference.a.method)
-    if truth is None or problem is None or method is None or pipeline_of(method) is None:
+    if why is None:
         masks |= {kind.label: wrong & (difference.classes == kind) for kind in OTHER_OWNER}
     else:
-        cause = causes(problem.view, difference.a, truth).cause
-        masks |= {kind.label: wrong & (cause == kind) for kind in Cause}
+        masks |= {kind.label: wrong & (why.cause == kind) for kind in Cause}
     return {label: mask for label, mask in masks.items() if mask.any()}
 
 

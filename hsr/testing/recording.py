@@ -11,6 +11,9 @@ from typing import Any
 
 from hsr.arrays import Pixels
 from hsr.errors import CheckError, VisibilityError
+from hsr.report.checks import inspected
+from hsr.report.inspection import Shown
+from hsr.report.page import fragment
 from hsr.scene.model import Mesh, Scene
 from hsr.scene.writing import write_scene
 from hsr.shading import save_picture
@@ -21,6 +24,7 @@ from hsr.testing.limits import Limits, merged
 from hsr.testing.pictures import MIN_SIMILARITY, compared
 from hsr.testing.problems import Problem, Showing, problem_of
 from hsr.testing.selfcheck import let_through
+from hsr.viewing import View
 from hsr.visibility import VisibilityMap
 
 ITEMS = "items"
@@ -81,6 +85,10 @@ class Check:
         [column, row] to look at first.
     shown, expected : str
         Files among the results with what was shown, and what it was judged against.
+    inspection : str
+        File among the results with what the page shows of them; empty without a map.
+    link : str
+        The end of the page's address that opens it there.
     contents : dict of str to str
         Content hashes of what was shown.
     baseline : str
@@ -104,6 +112,8 @@ class Check:
     sample: list[int] | None = None
     shown: str = ""
     expected: str = ""
+    inspection: str = ""
+    link: str = ""
     contents: dict[str, str] = field(default_factory=dict)
     baseline: str = ""
     depths: bool = False
@@ -211,16 +221,18 @@ class Visibility:
         case = self._case
         stem = self._stem(name)
         called, files = name or case.parts[-1], variants(case.baselines, stem)
+        problem = problem_of(scene, camera, map)
         if files:
-            check, target = self._matched(called, map, files, problem_of(scene, camera, map))
+            check, target = self._matched(called, map, files, problem)
         else:
             target = case.baselines / f"{stem}{SUFFIXES[case.keep]}"
             check = self._new(called, False, f"{called}: there is no baseline {self._seen_from_root(target)}")
         check.contents, check.baseline = contents(map), self._seen_from_root(target)
         check.depths = self.limits.depth_ulps is not None
         self._used |= {file.name for file in (*files, target)}
-        if not check.passed:
-            check.shown = check.shown or self._keep(check, "shown", map)
+        if not check.passed and not check.shown:
+            check.shown = self._keep(check, "shown", map)
+            self._inspect(check, Shown(check.key, _view(problem), {called: map}, None, {}, {}))
         if self._wanted(bool(files), check.passed):
             self._update(check, target, map)
         elif not files:
@@ -252,6 +264,7 @@ class Visibility:
             check.expected = self._file(check, "expected.png")
             save_picture(picture, self._case.results / check.shown)
             save_picture(reference, self._case.results / check.expected)
+            check.link = f"#{check.key}"
         self._demand([check])
 
     # ------------------------------------------------------------ baselines
@@ -313,6 +326,7 @@ class Visibility:
         if not judgement.passed:
             check.shown = self._keep(check, "shown", shown)
             check.expected = self._keep(check, "expected", expected)
+            self._inspect(check, _compared(check.key, judgement), judgement.sample)
             check.text += self._command(check, judgement)
         elif self._case.selfcheck and judgement.problem is not None:
             check.lets_pass = let_through(shown, expected, self.limits, judgement.problem)
@@ -342,8 +356,7 @@ class Visibility:
             verdict = f"{'passed' if check.passed else 'failed'}{': ' if words else ''}{words}"
             self._properties.append((f"visibility {check.name}", verdict))
             if check.shown:
-                at = "" if check.sample is None else "&x={}&y={}".format(*check.sample)
-                check.text += f"\n  {(self._case.results / PAGE).as_uri()}#check={check.key}{at}"
+                check.text += f"\n  {(self._case.results / PAGE).as_uri()}{check.link}"
         failed = [check.text for check in checks if not check.passed]
         if failed:
             raise VisibilityError("\n".join(failed))
@@ -360,6 +373,12 @@ class Visibility:
         name = f"{check.key.rpartition('/')[2]}-{what}"
         return (self._folder() / name).relative_to(self._case.results).as_posix()
 
+    def _inspect(self, check: Check, shown: Shown, sample: tuple[int, int] | None = None) -> None:
+        """Keep what the page shows of maps, and how its address names what to look at first."""
+        check.inspection = self._file(check, "inspection.json")
+        (self._case.results / check.inspection).write_text(json.dumps(inspected(shown)), encoding="utf-8")
+        check.link = fragment(check.key, list(shown.maps)[-1], sample)
+
     def _keep(self, check: Check, what: str, map: VisibilityMap) -> str:
         file = self._file(check, f"{what}.npz")
         map.save(self._case.results / file)
@@ -371,6 +390,24 @@ class Visibility:
             if file.is_relative_to(self._case.root)
             else str(file)
         )
+
+
+def _view(problem: Problem | None) -> View | None:
+    return None if problem is None else problem.view
+
+
+def _compared(key: str, judgement: Judgement) -> Shown:
+    """Return what the inspector shows of a verdict: what was expected, then what was judged against it."""
+    found, name = judgement.difference, judgement.name
+    expected = found.b.method if found.b.method != name else f"{name}, expected"
+    return Shown(
+        key,
+        _view(judgement.problem),
+        {expected: found.b, name: found.a},
+        expected,
+        {name: found},
+        {} if judgement.causes is None else {name: judgement.causes},
+    )
 
 
 def _absolute(scene: Scene) -> Scene:

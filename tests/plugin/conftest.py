@@ -29,6 +29,14 @@ def project(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> pytes
 def everything_imported() -> None:
     """Import beforehand what runs of pytest within a test import: after each, pytester forgets it."""
     modules = [method.module for method in hsr.methods().values()]
-    more = ("hsr.testing.results", "hsr.testing.accepting", "hsr.cli", "skimage.metrics", "hypothesis")
+    more = (
+        "hsr.testing.results",
+        "hsr.testing.accepting",
+        "hsr.cli",
+        "skimage.metrics",
+        "hypothesis",
+        "matplotlib",
+    )
     for module in (*modules, *PIPELINES.values(), *more):
         importlib.import_module(module)
+    hsr.render(hsr.load(SAMPLE / "room.toml"), "raycast", (4, 4))  # Numba imports more when it first compiles

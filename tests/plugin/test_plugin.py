@@ -120,7 +120,7 @@ def test_a_failure_says_what_where_and_by_which_limit(written: pytest.Pytester) 
             "E *wrong face 3, 1 cluster, the largest: 3 wrong face  rows 0..2, column 1*",
             "E *limit max_diff_pixels=0 (default): 3 differ",
             "E *since test_scene.npz was written: scene unknown, camera unknown, depths same, size same, *",
-            "E *file://*/.hsr-results/report.html#check=*/1&x=1&y=0",
+            "E *file://*/.hsr-results/report.html#scene=*/1&method=test_scene&x=1&y=0",
         ]
     )
 

@@ -139,6 +139,23 @@ def test_the_address_follows_the_sample(visit: Any) -> None:
     assert not tab.locator("#inspector").is_visible() and tab.evaluate("location.hash") == ""
 
 
+def test_another_scene_may_open_before_the_address_has_followed(visit: Any) -> None:
+    tab = visit(fragment("boxes", "shifted", (20, 30)))
+    tab.evaluate(  # unpacking takes longer than the address takes to follow
+        """() => {
+          const Inflate = DecompressionStream;
+          window.DecompressionStream = function (kind) {
+            const made = new Inflate(kind);
+            const late = new TransformStream({ start: () => new Promise((done) => setTimeout(done, 400)) });
+            return { writable: made.writable, readable: made.readable.pipeThrough(late) };
+          };
+        }"""
+    )
+    press(tab, "ArrowRight")
+    tab.evaluate("location.hash = '#scene=cyclic&method=backface&x=1&y=2'")
+    until(tab, "document.getElementById('position').textContent === 'row 2, column 1'")
+
+
 def test_the_panel_says_what_explain_says(visit: Any, real: Study, capsys: Any, scenes: Path) -> None:
     tab = visit("#scene=cyclic&method=scanline-d16")
     samples = [
@@ -391,6 +408,51 @@ def test_the_pointer_reads_and_chooses_samples(visit: Any, studied: Study) -> No
     tab.mouse.wheel(0, -200)
     tab.wait_for_timeout(50)
     assert scale(tab) > fitted
+
+
+def test_two_fingers_zoom_about_what_lies_between_them(visit: Any) -> None:
+    tab = visit(fragment("boxes", "shifted", (24, 32)), has_touch=True)
+    box = tab.locator(".stage").nth(1).bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    fingers = tab.context.new_cdp_session(tab)
+
+    def touch(kind: str, *points: tuple[float, float]) -> None:
+        fingers.send(
+            "Input.dispatchTouchEvent", {"type": kind, "touchPoints": [{"x": x, "y": y} for x, y in points]}
+        )
+
+    border = ((4.5, -0.6), (4.5, 0.4))  # of two faces, near the middle
+    fitted, between = scale(tab), pixels(tab, 1, *border)
+    assert between[0] != between[1]
+    touch("touchStart", (x - 30, y))
+    touch("touchStart", (x - 30, y), (x + 30, y))
+    for apart in (40, 50, 60):
+        touch("touchMove", (x - apart, y), (x + apart, y))
+    touch("touchEnd")
+    assert scale(tab) == pytest.approx(2.0 * fitted, rel=0.01)
+    assert pixels(tab, 1, *border) == between
+    assert text(tab, "position") == "row 24, column 32"  # no sample was chosen
+    touch("touchStart", (x + 3.5 * scale(tab), y))
+    touch("touchEnd")
+    assert text(tab, "position") == "row 24, column 35"
+
+
+def test_rows_of_the_table_choose_method_and_reference(visit: Any) -> None:
+    tab = visit(fragment("boxes", "shifted", (24, 32)))
+    tab.locator("#methods tr").nth(2).click()
+    assert chosen(tab)[3:] == ["reference", "equal"]
+    tab.locator("#methods tr").first.click(button="right")
+    assert chosen(tab)[3:] == ["shifted", "equal"]
+
+
+def test_control_and_arrows_walk_through_the_pictures(visit: Any) -> None:
+    tab = visit(fragment("boxes", "shifted", (24, 32)))
+    seen = []
+    for key in ("ArrowRight", "ArrowRight", "ArrowLeft", "ArrowLeft", "ArrowLeft"):
+        press(tab, f"Control+{key}")
+        seen.append(chosen(tab)[1])
+    assert seen == ["picture", "depth", "picture", "faces", "causes"]
+    assert text(tab, "position") == "row 24, column 32"
 
 
 def test_the_samples_around_are_drawn_with_edges(visit: Any, real: Study) -> None:

@@ -13,33 +13,53 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hsr.report.checks import write_page
+import hsr
+from hsr.difference.classes import compare
+from hsr.difference.study import Study
+from hsr.report.checks import inspected, write_page
+from hsr.report.inspection import Shown
+from hsr.report.page import fragment
 from hsr.testing.recording import Check
 from hsr.visibility import VisibilityMap
+from tests.report.policies import assert_strict
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 
 
-@pytest.fixture(scope="module")
-def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A page of a wrong map, a map without a baseline, pictures that differ, and a check that passed."""
-    folder = tmp_path_factory.mktemp("results")
+def painted() -> Shown:
+    """Return two maps of nobody knows what, that differ at four samples."""
     face = np.full((24, 32), -1, np.int32)
     face[4:20, 6:26] = 3
     depth = np.where(face < 0, np.inf, 2.0)
     wrong = face.copy()
     wrong[10:12, 8:10] = 1
-    VisibilityMap(face, depth, "exact").save(folder / "expected.npz")
-    VisibilityMap(wrong, depth, "painter").save(folder / "shown.npz")
+    expected, shown = VisibilityMap(face, depth, "kept.npz"), VisibilityMap(wrong, depth, "painter")
+    maps = {"kept.npz": expected, "mine": shown}
+    return Shown("a/1", None, maps, "kept.npz", {"mine": compare(shown, expected)}, {})
+
+
+def rendered(real: Study) -> Shown:
+    """Return a wrong map of a known view, and the truth."""
+    maps = {"exact": real.maps["exact"], "mine": real.maps["backface"]}
+    found, why = real.differences["backface"], real.causes["backface"]
+    return Shown("e/1", real.view, maps, "exact", {"mine": found}, {"mine": why})
+
+
+@pytest.fixture(scope="module")
+def page(real: Study, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A page of wrong maps, a map without a baseline, pictures that differ, and a check that passed."""
+    folder = tmp_path_factory.mktemp("results")
+    alone = Shown("b/1", None, {"new": painted().maps["mine"]}, None, {}, {})
+    for name, shown in {"a": painted(), "b": alone, "e": rendered(real)}.items():
+        (folder / f"{name}.json").write_text(json.dumps(inspected(shown)), encoding="utf-8")
     for name, value in (("expected", 90), ("shown", 200)):
         Image.fromarray(np.full((24, 32, 3), value, np.uint8)).save(folder / f"{name}.png")
     baseline = "tests/__visibility__/test_a/test_<b>.npz"
     checks = [
-        Check(
-            "a/1", "mine", False, "4 <differ>", shown="shown.npz", expected="expected.npz", baseline=baseline
-        ),
-        Check("b/1", "new", False, "there is no baseline", shown="shown.npz", baseline="x/new.npz"),
+        Check("a/1", "mine", False, "4 <differ>", inspection="a.json", baseline=baseline),
+        Check("b/1", "new", False, "there is no baseline", inspection="b.json", baseline="x/new.npz"),
         Check("c/1", "pictures", False, "differ", shown="shown.png", expected="expected.png", weaker=True),
+        Check("e/1", "mine", False, "many differ", inspection="e.json"),
         Check("d/1", "fine", True, "0 samples", lets_pass={"flipped y": 12}),
     ]
     entries = [(f"test_{check.key[0]}", asdict(check)) for check in checks]
@@ -49,19 +69,20 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_everything_is_told_without_scripts(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
-    assert "4 checks, 3 failed" in text
+    assert "5 checks, 4 failed" in text
     assert "4 &lt;differ&gt;" in text and "test_&lt;b&gt;.npz" in text
     assert "a weaker check, of colours" in text
     assert "would pass with the mistake “flipped y”; wrong samples: 12" in text
     assert "x/gone.npz" in text
     assert text.index("there is no baseline") < text.index("0 samples")
-    assert "http" not in text.replace("http-equiv", "").replace("http://www.w3.org/2000/svg", "")
+    assert "http" not in text.replace("http-equiv", "")
+    assert_strict(text)
 
 
 def test_a_page_without_failures_needs_no_viewer(tmp_path: Path) -> None:
     write_page([("test_a", asdict(Check("a/1", "fine", True, "0 samples")))], "r", [], tmp_path / "p.html")
     text = (tmp_path / "p.html").read_text(encoding="utf-8")
-    assert "1 checks, 0 failed" in text and 'id="viewer"' not in text and 'id="download"' not in text
+    assert "1 checks, 0 failed" in text and 'id="inspector"' not in text and 'id="download"' not in text
 
 
 # ---------------------------------------------------------------- in a browser
@@ -84,16 +105,31 @@ def tab(page: Path) -> Iterator[Any]:
         assert complaints == []
 
 
-def test_a_link_opens_the_sample(tab: Any, page: Path) -> None:
-    assert not tab.locator("#viewer").is_visible()
-    tab.goto(f"{page.as_uri()}#check=a/1&x=8&y=10")
-    assert tab.locator("#viewer").is_visible()
-    assert tab.locator("#viewer-position").inner_text() == "row 10, column 8"
-    shown = tab.locator("#pane-right select")
-    words = [shown.nth(k).evaluate("e => e.selectedOptions[0].text") for k in (0, 1)]
-    assert words == ["mine", "difference"]
-    tab.goto(f"{page.as_uri()}#check=c/1")
-    assert tab.locator("#pane-right select").nth(1).evaluate("e => e.selectedOptions[0].text") == "picture"
+def opened(tab: Any, page: Path, check: str, sample: tuple[int, int]) -> None:
+    """Follow the link of a check to a sample."""
+    tab.goto(page.as_uri() + fragment(check, "mine", sample))
+    tab.locator("#methods tr").first.wait_for()
+    assert tab.locator("#position").inner_text() == f"row {sample[0]}, column {sample[1]}"
+
+
+def test_a_link_opens_the_sample_of_maps_without_a_scene(tab: Any, page: Path) -> None:
+    assert not tab.locator("#inspector").is_visible()
+    opened(tab, page, "a/1", (10, 8))
+    cells = [row.split("\t") for row in tab.locator("#methods tr").all_inner_texts()]
+    assert [(name, told) for name, _, _, told in cells] == [("kept.npz", "reference"), ("mine", "wrong face")]
+    assert "nothing says which scene" in tab.locator("#story").inner_text()
+    assert tab.locator("#overlay option").all_text_contents() == ["none"]
+    tab.keyboard.press("v")
+    assert tab.locator("#overlay").input_value() == "none"
+
+
+def test_a_link_opens_the_history_of_a_sample_of_a_scene(tab: Any, page: Path, real: Study) -> None:
+    row, column = real.differences["backface"].clusters[0].sample
+    opened(tab, page, "e/1", (row, column))
+    told = hsr.history(real.view, row, column, [real.maps["exact"], real.maps["backface"]])
+    lines = tab.locator("#story p, #story .line, #story .verdict, #story .missed li, #story .sentences li")
+    assert lines.all_text_contents() == [line.strip() for line in str(told).splitlines() if line.strip()]
+    assert "wrong face, no depth test" in tab.locator("#methods").inner_text()
 
 
 def test_decisions_are_handed_out_as_a_file(tab: Any, tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from hsr.errors import HsrError
 from hsr.report import gallery
 from hsr.report.gallery import overview, turned, turntable, write_gallery
 from hsr.scene.model import Scene
+from tests.report.policies import assert_strict
 
 METHODS = ("exact", "scanline", "backface", "raycast")
 
@@ -32,6 +33,7 @@ def test_the_page_says_what_was_measured(tmp_path: Path, scenes: Path) -> None:
     loaded = {name: hsr.load(scenes / f"{name}.toml") for name in names}
     write_gallery(loaded, tmp_path, (64, 64), ["cube"], told.append)
     page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert_strict(page, images="'self' file:")
     cube, behind, solids = page.split("<article")[1:]
     view = hsr.view(loaded["convex-behind"], (64, 64))
     wrong = hsr.compare(hsr.render(view, "backface"), hsr.render(view, "exact")).different

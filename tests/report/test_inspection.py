@@ -93,9 +93,8 @@ def test_stories_are_the_histories(told: Any, real: Study) -> None:
         assert parts == hsr.history(real.view, row, column, list(real.maps.values())).parts()
 
 
-def test_stories_are_shared_out_when_they_are_cut(real: Study, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "STORIES", 6)
-    found = inspection(real)
+def test_stories_are_shared_out_when_they_are_cut(real: Study) -> None:
+    found = inspection(real, 6)
     largest = [
         difference.clusters[0].sample for difference in real.differences.values() if difference.clusters
     ]

@@ -15,6 +15,7 @@ from hsr import cli
 from hsr.lessons.lesson import lesson_of
 from hsr.lessons.topics import topics
 from hsr.report.lesson import write_course, write_lesson
+from tests.report.policies import assert_strict
 
 
 def test_a_page_holds_its_recording_and_nothing_from_elsewhere(tmp_path: Path) -> None:
@@ -25,7 +26,7 @@ def test_a_page_holds_its_recording_and_nothing_from_elsewhere(tmp_path: Path) -
     assert packed is not None
     found = json.loads(zlib.decompress(base64.b64decode(packed[1])))
     assert found == json.loads(json.dumps(lesson_of(topic)))
-    assert "default-src 'none'" in page
+    assert_strict(page)
     assert not re.search(r"""(?:src|href)\s*=|@import|url\(|https?://(?!www\.w3\.org/2000/svg)""", page)
 
 
@@ -40,6 +41,7 @@ def test_a_course_lists_its_lessons(tmp_path: Path) -> None:
     write_course(course, tmp_path)
     page = (tmp_path / "index.html").read_text(encoding="utf-8")
     assert re.findall(r'href="([^"]+)"', page) == ["ties.html", "culling.html"]
+    assert_strict(page)
     assert all((tmp_path / f"{name}.html").exists() for name in course)
 
 

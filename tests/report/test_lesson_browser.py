@@ -194,6 +194,23 @@ def test_playing_stops_at_a_prediction_and_scores_it(open_lesson: Any) -> None:
     assert tab.text_content("#score") == "score 3 of 6"
 
 
+@pytest.mark.parametrize(("width", "height"), [(360, 740), (1280, 800), (3840, 2160)])
+def test_a_prediction_and_its_verdict_are_seen_where_they_are_asked(
+    width: int, height: int, open_lesson: Any
+) -> None:
+    tab = open_lesson("depth-buffer", width, height)
+    tab.evaluate("document.getElementById('speed').value = 9")
+    tab.keyboard.press(" ")
+    tab.wait_for_selector("#ask:visible button:not([disabled])")
+    tab.keyboard.press("1")
+    tab.wait_for_timeout(500)  # until it has scrolled there
+    asked, footer = tab.locator("#ask").bounding_box(), tab.locator("footer").bounding_box()
+    assert asked["y"] >= 0 and asked["y"] + asked["height"] <= footer["y"]
+    if width > 360:
+        shown = tab.locator(".grid").first.bounding_box()
+        assert shown["y"] >= 0 and shown["y"] + shown["height"] <= footer["y"]
+
+
 def test_both_methods_of_a_pair_move_together(open_lesson: Any) -> None:
     tab = open_lesson("side-by-side")
     for _ in range(10):

@@ -188,8 +188,8 @@ class Pieces:
     ----------
     facets : Facets or None
         The planar ones, if there are any.
-    facet : (pieces,) int64
-        Index of each planar piece among them; -1 for curved pieces.
+    facet : (m,) int64
+        Index among them of the piece of each candidate; -1 for curved pieces.
     curved : dict of int to CurvedPiece
     """
 
@@ -200,19 +200,21 @@ class Pieces:
 
 def _pieces_of(view: View, frame: Frame, starts: Array, piece: Ints) -> Pieces:
     """Set up the pieces that occur; those of each object begin at ``starts``."""
-    occurs = np.zeros(starts[-1], dtype=bool)
-    occurs[piece] = True
+    occurring, which = np.unique(piece, return_inverse=True)
+    thing = np.searchsorted(starts, occurring, side="right") - 1
+    is_curved = np.zeros(len(occurring), dtype=bool)
     planar: list[Facets] = []
     curved: dict[int, CurvedPiece] = {}
-    for thing in np.unique(np.searchsorted(starts, np.flatnonzero(occurs), side="right") - 1):
-        placement, own = view.placements[thing], slice(starts[thing], starts[thing + 1])
-        part = np.flatnonzero(occurs[own])
+    first = _firsts(thing)
+    for own in map(slice, first, [*first[1:], len(thing)]):
+        k = thing[own.start]
+        placement, part = view.placements[k], occurring[own] - starts[k]
         if placement.shape.curved:
-            curved |= {int(own.start + k): curved_piece(frame, thing, placement, int(k)) for k in part}
-            occurs[own] = False
+            curved |= {int(starts[k] + p): curved_piece(frame, k, placement, int(p)) for p in part}
+            is_curved[own] = True
         else:
-            planar.append(facets_of(frame, thing, placement, part))
-    facet = np.where(occurs, np.cumsum(occurs) - 1, -1)
+            planar.append(facets_of(frame, k, placement, part))
+    facet = np.where(is_curved, -1, np.cumsum(~is_curved) - 1)[which]
     return Pieces(joined(planar) if planar else None, facet, curved)
 
 
@@ -242,8 +244,8 @@ def _decide(frame: Frame, pieces: Pieces, candidates: Candidates) -> tuple[Ints,
 
 def _nearest_facets(facets: Facets, facet: Array, candidates: Candidates, i: Array, j: Array) -> Array:
     """Return the index (n,) of the nearest planar piece at each sample, -1 where there is none."""
-    which, at, sure = facet[candidates.piece], candidates.at, candidates.sure
-    asked = np.flatnonzero(which >= 0)
+    which, at, sure = facet, candidates.at, candidates.sure
+    asked = np.flatnonzero(facet >= 0)
     asked = asked[~_idle(facets, which[asked], at[asked], sure[asked])]
     asked = asked[facets.covers(which[asked], i[at[asked]], j[at[asked]], sure[asked])]
     which, at = which[asked], at[asked]
@@ -271,7 +273,7 @@ def _firsts(at: Array) -> Array:
 
 def _curved_candidates(pieces: Pieces, candidates: Candidates) -> Iterator[tuple[int, list[CurvedPiece]]]:
     """Yield the samples that have curved candidates, and these."""
-    curved = np.flatnonzero(pieces.facet[candidates.piece] < 0)
+    curved = np.flatnonzero(pieces.facet < 0)
     pairs = zip(candidates.at[curved].tolist(), candidates.piece[curved].tolist(), strict=True)
     for k, run in groupby(pairs, key=itemgetter(0)):
         yield k, [pieces.curved[piece] for _, piece in run]

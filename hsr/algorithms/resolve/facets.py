@@ -150,8 +150,8 @@ def facets_of(frame: Frame, thing: int, placement: Placement, triangle: Array) -
     vertices, h = integers(polygons.vertices[used])
     homogeneous = np.insert(vertices, 3, h, axis=1) @ frame.matrices[thing].T
     corners = homogeneous[corner]
-    a, b, c = np.moveaxis(corners[..., :3], 1, 0)
-    edges = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
+    a, b, c = (corners[:, k, :3] for k in range(3))
+    edges = np.stack([_cross(b, c), _cross(c, a), _cross(a, b)], axis=1)
     turn = (a * edges[:, 0]).sum(axis=1)
     sign = np.sign(turn)
     # The corners' depths carry the factor h; so does the function that is 1 at all corners.
@@ -166,6 +166,12 @@ def facets_of(frame: Frame, thing: int, placement: Placement, triangle: Array) -
         _planes(frame, np.abs(turn), depth, one),
         np.stack([depth, one * frame.unit], axis=1),
     )
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """Return the cross products of vectors (n, 3), which NumPy does not hurry to find for a few integers."""
+    (ax, ay, az), (bx, by, bz) = a.T, b.T
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=1)
 
 
 def _turned(polygons: Polygons, triangle: Array) -> Array:
