@@ -1,22 +1,30 @@
 """Write what was measured into the README: python benchmarks/readme.py
 
-The results are the files in ``benchmarks/results``; their tables go between the two marks of the README,
-their charts beside them. To measure anew, empty the folder and run ``hsr bench ... -o benchmarks/results``.
+The results are the files in ``benchmarks/results``; their tables go between two marks of the README, their
+charts beside them. To measure anew, empty the folder and run ``hsr bench ... -o benchmarks/results``. The
+table of hard cases goes between two other marks; it is that of ``hsr stability -o reports/stability``.
 """
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
+from typing import Any
 
 from hsr.experiments.publish import to_markdown, to_svg
 from hsr.experiments.results import Results, load_results
+from hsr.experiments.stability.summary import headline, markdown
 
 ROOT = Path(__file__).parent.parent
 README = ROOT / "README.md"
 RESULTS = ROOT / "benchmarks" / "results"
+MATRIX = ROOT / "reports" / "stability" / "matrix.json"
 
 BEGIN = "<!-- measured: written by benchmarks/readme.py -->"
 END = "<!-- end of what is measured -->"
+
+HARD_BEGIN = "<!-- hard cases: written by benchmarks/readme.py -->"
+HARD_END = "<!-- end of hard cases -->"
 
 
 def measured() -> list[Results]:
@@ -35,21 +43,38 @@ def section(found: list[Results]) -> str:
     return "\n".join([BEGIN, "", *parts, END])
 
 
+def hard_cases(matrix: dict[str, Any]) -> str:
+    """Return what stands between the marks of the hard cases: a chart, a table, and how it was made."""
+    versions = ", ".join(f"{name} {version}" for name, version in matrix["versions"].items())
+    drivers = {driver for family in matrix["families"] for driver in family["drivers"].values()}
+    made_with = "; ".join([f"Commit {matrix['commit'] or 'unknown'}", versions, *sorted(drivers)])
+    told = f"{headline(matrix['families'])}. {made_with}. Written by `hsr stability -o reports/stability`."
+    chart = "![Resolution of depth formats](reports/stability/parallel-pair.svg)"
+    return "\n\n".join([HARD_BEGIN, chart, markdown(matrix["families"]), told, HARD_END])
+
+
+def between(readme: str, begin: str, end: str, fresh: str) -> str:
+    """Return the README with a fresh section, its marks included, in place of what stands there."""
+    before, first, rest = readme.partition(begin)
+    _, last, after = rest.partition(end)
+    if not (first and last):
+        raise SystemExit(f"README.md: put the lines {begin!r} and {end!r} where the table shall stand")
+    return before + fresh + after
+
+
 def updated(readme: str, found: list[Results]) -> str:
     """Return the README with the section of the results between its marks."""
-    before, begin, rest = readme.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not (begin and end):
-        raise SystemExit(f"README.md: put the lines {BEGIN!r} and {END!r} where the table shall stand")
-    return before + section(found) + after
+    return between(readme, BEGIN, END, section(found))
 
 
 def main() -> None:
-    """Write the section, and the charts anew."""
+    """Write both sections, and the charts of the results anew."""
     found = measured()
     if not found:
         raise SystemExit(f"{RESULTS}: no results; measure with 'hsr bench ... -o benchmarks/results'")
-    README.write_text(updated(README.read_text(encoding="utf-8"), found), encoding="utf-8")
+    matrix = json.loads(MATRIX.read_text(encoding="utf-8"))
+    readme = updated(README.read_text(encoding="utf-8"), found)
+    README.write_text(between(readme, HARD_BEGIN, HARD_END, hard_cases(matrix)), encoding="utf-8")
     for results in found:
         (RESULTS / f"{results.stem}.svg").write_text(to_svg(results), encoding="utf-8")
 

@@ -111,7 +111,7 @@ def probe(backend: str) -> dict[str, Any]:
         If not, ``problem``.
     """
     from hsr.opengl.contexts import BACKENDS
-    from hsr.opengl.drawing import DEPTH_BITS
+    from hsr.opengl.depth import D24
 
     try:
         context = BACKENDS[backend]()
@@ -123,7 +123,7 @@ def probe(backend: str) -> dict[str, Any]:
         "renderer": context.renderer,
         "version": context.version,
         "subpixel_bits": context.subpixel_bits,
-        "depth_bits": DEPTH_BITS,
+        "depth_bits": D24.bits,
         "max_side": context.max_side,
         "threads": context.threads,
         "different": different,

@@ -44,7 +44,7 @@ def run(
     """Judge methods on families of hard cases; exit 1 if any row contradicts its theory."""
     from hsr.experiments.stability.family import families, family_named
     from hsr.experiments.stability.judge import contradictions, judge
-    from hsr.experiments.stability.summary import markdown
+    from hsr.experiments.stability.summary import markdown, matrix
 
     chosen = [family_named(name) for name in dict.fromkeys(family or families())]
     asked = {this.name: [name for name in method or () if this.knows(name)] for this in chosen}
@@ -63,7 +63,7 @@ def run(
     if as_json:
         print_json({"hsr": 1, "families": [result.to_json() for result in results]})
     elif as_markdown:
-        print(markdown(results))
+        print(markdown(matrix(results)["families"]))
     else:
         _print_matrix(results)
         if output is not None:
@@ -73,18 +73,19 @@ def run(
 
 
 def _print_matrix(results: list[Result]) -> None:
-    from hsr.experiments.stability.summary import HEADINGS, cells, headline
+    from hsr.experiments.stability.summary import HEADINGS, cells, headline, matrix
 
     table = new_table(*HEADINGS, right=("wrong", "unexplained", "predicted", "measured"))
     for result in results:
         table.add_row(result.family.name)
         for row in result.rows:
-            table.add_row(*cells(row))
+            variant, *others = cells(row)
+            table.add_row(f"  {variant}", *others)
     out.print(table)
     skipped = {name: reason for result in results for name, reason in result.skipped.items()}
     for name, reason in skipped.items():
         say(f"{name}: {reason}")
-    say(headline(results))
+    say(headline(matrix(results)["families"]))
 
 
 @stability_app.command()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import runpy
 import shlex
@@ -55,6 +56,15 @@ def test_the_table_is_what_was_measured() -> None:
     if found:
         assert script["updated"](README, found) == README
         assert all((ROOT / "benchmarks" / "results" / f"{one.stem}.svg").exists() for one in found)
+
+
+def test_the_hard_cases_are_those_of_the_matrix() -> None:
+    script = runpy.run_path(str(ROOT / "benchmarks" / "readme.py"))
+    matrix = json.loads(script["MATRIX"].read_text(encoding="utf-8"))
+    fresh = script["hard_cases"](matrix)
+    assert script["between"](README, script["HARD_BEGIN"], script["HARD_END"], fresh) == README
+    assert fresh.count("\n| ") == 11 and (script["MATRIX"].parent / "parallel-pair.svg").exists()
+    assert "certified methods: 0 wrong samples" in fresh
 
 
 def test_the_section_is_written_between_its_marks() -> None:

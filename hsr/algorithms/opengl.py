@@ -1,7 +1,7 @@
 """OpenGL as a method: what the driver of this machine sees of a view.
 
 The map is the driver's own: float32 vertices and matrix, corners snapped to its sub-pixel grid, a
-depth buffer of 24 bits. See :mod:`hsr.opengl.drawing` for how it is drawn, and
+depth buffer of 24 bits unless another is asked for. See :mod:`hsr.opengl.drawing` for how it is drawn, and
 :mod:`hsr.opengl.contexts` for which driver draws, and with how many threads.
 """
 
@@ -12,7 +12,8 @@ from typing import Any
 
 from hsr.errors import MethodError
 from hsr.opengl.contexts import BACKENDS, Context, shared_context
-from hsr.opengl.drawing import DEPTH_STEP, Drawing
+from hsr.opengl.depth import DEPTH_BUFFERS, DepthBuffer
+from hsr.opengl.drawing import Drawing
 from hsr.viewing import View
 from hsr.visibility import Clock, VisibilityMap, depth_format
 
@@ -25,14 +26,25 @@ class Options:
     ----------
     backend : {"auto", "osmesa", "egl"}
         ``auto`` takes the first that draws.
+    depth_format : {"d24", "d16", "d32f", "d32f-reversed", "d32f-reversed-ndc"}
+        What the depth buffer holds: integers of so many bits, or float32. ``reversed`` is 1 at near and 0
+        at far, the greater is the nearer, and normalised depth runs from 0 to 1, which needs the driver's
+        ``glClipControl``; with ``ndc`` it runs from 1 to -1 and is moved to [0, 1] afterwards.
     """
 
     backend: str = "auto"
+    depth_format: str = "d24"
 
     def __post_init__(self) -> None:
-        known = ("auto", *BACKENDS)
-        if self.backend not in known:
-            raise MethodError(f"opengl has no backend {self.backend!r}; choose from {', '.join(known)}")
+        for name, known in (("backend", ("auto", *BACKENDS)), ("depth_format", DEPTH_BUFFERS)):
+            value = getattr(self, name)
+            if value not in known:
+                raise MethodError(f"opengl has no {name} {value!r}; choose from {', '.join(known)}")
+
+    @property
+    def buffer(self) -> DepthBuffer:
+        """The depth buffer."""
+        return DEPTH_BUFFERS[self.depth_format]
 
 
 def render(view: View, options: Options) -> VisibilityMap:
@@ -61,21 +73,21 @@ def render(view: View, options: Options) -> VisibilityMap:
     context = shared_context(options.backend)
     clock = Clock()
     with clock("prepare"):
-        drawing = Drawing(context, view)
+        drawing = Drawing(context, view, options.buffer)
     with drawing:
         with clock("render"):
             drawing.draw()
         with clock("read"):
             face, depth = drawing.read()
     work = {"triangles": drawing.triangles, "vertices": drawing.vertices}
-    return VisibilityMap(face, depth, "opengl", work, clock.seconds, _notes(context, view))
+    return VisibilityMap(face, depth, "opengl", work, clock.seconds, _notes(context, view, options.buffer))
 
 
-def _notes(context: Context, view: View) -> dict[str, Any]:
+def _notes(context: Context, view: View, buffer: DepthBuffer) -> dict[str, Any]:
     return {
         "driver": f"{context.renderer}; {context.version}",
         "backend": context.backend,
         "subpixel_bits": context.subpixel_bits,
         "threads": context.threads,
-        "depth_format": depth_format("window", DEPTH_STEP, view.near, view.far, view.perspective),
+        "depth_format": depth_format("window", buffer.step, view.near, view.far, view.perspective),
     }

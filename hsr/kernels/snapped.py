@@ -20,9 +20,6 @@ FLOAT64, FLOAT32, UNORM = 0, 1, 2
 PLANES = 6
 """Clip planes, in the order in which they clip: x = w, x = -w, y = w, y = -w, near, far."""
 
-NEAR = 4
-"""The planes before this one are those of the guard band."""
-
 BELOW = (0, 2, 5)
 """Planes whose inside is below them in x, y or z."""
 
@@ -75,26 +72,27 @@ def project(clip: Array, scale: Array, translate: Array, window: Array) -> None:
 
 
 @jit
-def outcodes(clip: Array, guard: np.float32, codes: Ints) -> None:
+def outcodes(clip: Array, reach: Array, codes: Ints) -> None:
     """Find the clip planes outside of which each vertex lies, as bits in clipping order.
 
     Parameters
     ----------
     clip : (n, 4) float32
-    guard : float32
-        The planes in x and y are ``|x|, |y| = guard w``. A vertex on a plane is inside.
+    reach : (6,) float32
+        How far from 0 each plane is, in w: the planes in x and y are ``x = reach w`` and ``x = -reach w``.
+        A vertex on a plane is inside.
     codes : (n,) int32
         Filled.
     """
     for i in range(len(clip)):
         x, y, z, w = clip[i]
-        reach = guard * w
-        sides = (x > reach) | (x + reach < 0) << 1 | (y > reach) << 2 | (y + reach < 0) << 3
-        codes[i] = sides | (z + w < 0) << 4 | (z > w) << 5
+        sides = (x > reach[0] * w) | (x + reach[1] * w < 0) << 1
+        sides |= (y > reach[2] * w) << 2 | (y + reach[3] * w < 0) << 3
+        codes[i] = sides | (z + reach[4] * w < 0) << 4 | (z > reach[5] * w) << 5
 
 
 @jit
-def clip_triangles(clip: Array, made: Bools, codes: Ints, guard: np.float32, corners: Ints) -> None:
+def clip_triangles(clip: Array, made: Bools, codes: Ints, reach: Array, corners: Ints) -> None:
     """Clip triangles to the view volume, one plane after the other.
 
     The algorithm of Sutherland & Hodgman ("Reentrant polygon clipping", Communications of the ACM,
@@ -108,7 +106,7 @@ def clip_triangles(clip: Array, made: Bools, codes: Ints, guard: np.float32, cor
         Which corners clipping made; given as False.
     codes : (n,) int32
         The planes to clip against, as bits.
-    guard : float32
+    reach : (6,) float32
         See :func:`outcodes`.
     corners : (n,) int32
         Filled with the number of corners; below 3 nothing is left.
@@ -120,20 +118,20 @@ def clip_triangles(clip: Array, made: Bools, codes: Ints, guard: np.float32, cor
         for plane in range(PLANES):
             if codes[i] >> plane & 1 and count >= 3:
                 old_clip[:], old_made[:] = clip[i], made[i]
-                count = _clip_polygon(old_clip, old_made, count, plane, guard, clip[i], made[i])
+                count = _clip_polygon(old_clip, old_made, count, plane, reach[plane], clip[i], made[i])
         corners[i] = count
 
 
 @jit
 def _clip_polygon(
-    clip: Array, made: Bools, corners: int, plane: int, guard: np.float32, left: Array, left_made: Bools
+    clip: Array, made: Bools, corners: int, plane: int, reach: np.float32, left: Array, left_made: Bools
 ) -> int:
     """Clip a polygon against one plane; return the number of corners left."""
     count = 0
-    distance = _distance(clip[0], plane, guard)
+    distance = _distance(clip[0], plane, reach)
     for i in range(corners):
         j = (i + 1) % corners
-        distance_next = _distance(clip[j], plane, guard)
+        distance_next = _distance(clip[j], plane, reach)
 
         # Keep a corner inside the plane.
         if distance >= 0:
@@ -166,11 +164,10 @@ def _cut(inside: Array, d_inside: np.float32, outside: Array, d_outside: np.floa
 
 
 @jit
-def _distance(corner: Array, plane: int, guard: np.float32) -> np.float32:
+def _distance(corner: Array, plane: int, reach: np.float32) -> np.float32:
     """Signed distance of a corner from a clip plane, positive inside."""
-    along = corner[plane // 2]
-    reach = corner[3] if plane >= NEAR else guard * corner[3]
-    distance: np.float32 = reach - along if plane in BELOW else reach + along
+    along, far = corner[plane // 2], reach * corner[3]
+    distance: np.float32 = far - along if plane in BELOW else far + along
     return distance
 
 

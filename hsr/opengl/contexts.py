@@ -39,6 +39,8 @@ class Context:
     gl : moderngl.Context
     program : moderngl.Program
         Compiled once, shared by all drawings of the context.
+    loader : OSMesa or EGL
+        Finds the functions that moderngl does not have.
     backend, renderer, version : str
         ``osmesa`` or ``egl``, and what OpenGL says of itself.
     subpixel_bits : int
@@ -53,7 +55,7 @@ class Context:
     """
 
     def __init__(self, backend: str, loader: Loader) -> None:
-        self.backend = backend
+        self.backend, self.loader = backend, loader
         try:
             with loader:
                 self.gl = moderngl.create_context(context=cast(Any, loader))

@@ -2,9 +2,9 @@
 
 The triangles are drawn in order of their faces, with float32 vertices and matrix, one sample a
 pixel, into two attachments: R32I for the number of the triangle + 1, cleared to 0, and a depth
-buffer of 24 bits, cleared to 1 and compared by ``GL_LESS``, so that of two equal stored depths
-the lower face wins. Who owns a sample on an edge is the driver's rule: OpenGL only promises one
-owner for an edge two triangles share.
+buffer (:mod:`hsr.opengl.depth`), cleared to far and compared by ``GL_LESS``, reversed by
+``GL_GREATER``, so that of two equal stored depths the lower face wins. Who owns a sample on an edge
+is the driver's rule: OpenGL only promises one owner for an edge two triangles share.
 """
 
 from __future__ import annotations
@@ -17,17 +17,12 @@ import numpy as np
 
 from hsr.arrays import Array, Floats, Ints
 from hsr.errors import MethodError
+from hsr.opengl.depth import D24, DepthBuffer, clip_range, depth_texture
 from hsr.viewing import CULL, View
 from hsr.visibility import BACKGROUND
 
 if TYPE_CHECKING:
     from hsr.opengl.contexts import Context
-
-DEPTH_BITS = 24
-"""moderngl's depth textures are ``GL_DEPTH_COMPONENT24``: integers over 2**24 - 1."""
-
-DEPTH_STEP = 1.0 / (2**DEPTH_BITS - 1)
-"""Distance of neighbouring stored depths; near is stored as 0, far as 1."""
 
 VERTEX_SHADER = """
 #version 330
@@ -55,18 +50,23 @@ class Drawing:
     context : Context
     view : View
         Curved shapes are tessellated.
+    buffer : DepthBuffer
 
     Raises
     ------
     MethodError
         If the image is larger than the driver draws, or a coordinate is beyond float32.
+    UnavailableError
+        If the buffer needs more than the driver's OpenGL.
     """
 
-    def __init__(self, context: Context, view: View) -> None:
+    def __init__(self, context: Context, view: View, buffer: DepthBuffer = D24) -> None:
         _check_size(view, context.max_side)
         polygons = view.tessellated().polygons
-        vertices, matrix = _as_float32(polygons.vertices), _as_float32(view.clip_from_world)
+        vertices = _as_float32(polygons.vertices)
+        matrix = _as_float32(buffer.clip_from_world(view))
         self.view = view
+        self._buffer = buffer
         self.vertices = len(vertices)
         self.triangles = len(polygons.triangle_vertex)
         self._face_of = np.append(np.int32(BACKGROUND), polygons.triangle_face)
@@ -83,7 +83,8 @@ class Drawing:
         self._array = gl.vertex_array(
             self._context.program, [(vertex_buffer, "3f", "vertex")], index_buffer=corner_buffer
         )
-        triangle, depth = gl.texture(size, components=1, dtype="i4"), gl.depth_texture(size)
+        triangle = gl.texture(size, components=1, dtype="i4")
+        depth = depth_texture(self._context, size, self._buffer)
         self._parts = (vertex_buffer, corner_buffer, self._array, triangle, depth)
         try:
             self._frame = gl.framebuffer([triangle], depth)
@@ -95,11 +96,12 @@ class Drawing:
 
     def draw(self) -> None:
         """Clear, draw every triangle, and wait until all is drawn."""
-        with self._context.gl as gl:
+        with self._context.gl as gl, clip_range(self._context, self._buffer):
             self._frame.use()
-            self._frame.clear()  # of an integer attachment moderngl sets the bits of 0.0, which are 0
+            # Of an integer attachment moderngl sets the bits of 0.0, which are 0.
+            self._frame.clear(depth=self._buffer.cleared_to)
             self._context.program["clip_from_world"] = self._matrix
-            gl.depth_func = "<"
+            gl.depth_func = ">" if self._buffer.reversed else "<"
             for cull, first, count in self._runs:
                 _set_culling(gl, cull)
                 self._context.program["first"] = first
@@ -119,16 +121,18 @@ class Drawing:
             Along the view axis, ``+inf`` where nothing was drawn.
         """
         shape = (self.view.height, self.view.width)
-        triangle, stored = np.empty(shape, np.int32), np.empty(shape, np.uint32)
+        bits, kind = self._buffer.bits, "u4" if self._buffer.bits else "f4"
+        triangle, stored = np.empty(shape, np.int32), np.empty(shape, kind)
         with self._context.gl:
             self._frame.read_into(triangle, components=1, attachment=0, dtype="i4")
-            self._frame.read_into(stored, components=1, attachment=-1, dtype="u4")
+            self._frame.read_into(stored, components=1, attachment=-1, dtype=kind)
         face = self._face_of[triangle[::-1]]
         drawn = face != BACKGROUND
         depth = np.full(shape, np.inf)
-        # OpenGL returns the stored integers as 32 bits, their upper bits repeated below.
-        window = (stored[::-1][drawn] >> (32 - DEPTH_BITS)) * DEPTH_STEP
-        depth[drawn] = depth_of_window(self.view, window)
+        window = stored[::-1][drawn]
+        if bits:  # OpenGL returns the stored integers as 32 bits, their upper bits repeated below
+            window = (window >> (32 - bits)) * self._buffer.step
+        depth[drawn] = depth_of_window(self.view, window.astype(np.float64), self._buffer.reversed)
         return face, depth
 
     def release(self) -> None:
@@ -144,7 +148,7 @@ class Drawing:
         self.release()
 
 
-def depth_of_window(view: View, window: Floats) -> Floats:
+def depth_of_window(view: View, window: Floats, reversed: bool = False) -> Floats:
     """Carry stored depths back to depths along the view axis.
 
     OpenGL stores z / w, moved from [-1, 1] to [0, 1]: affine in 1 / depth under perspective,
@@ -157,14 +161,17 @@ def depth_of_window(view: View, window: Floats) -> Floats:
         Its far may be infinite.
     window : float64 array
         0 at near, 1 at far; below 1 if far is infinite.
+    reversed : bool
+        Whether it is 1 at near and 0 at far.
 
     Returns
     -------
     float64 array of the same shape
     """
+    at_0, at_1 = (view.far, view.near) if reversed else (view.near, view.far)
     if view.perspective:
-        return 1.0 / ((1.0 - window) / view.near + window / view.far)
-    return (1.0 - window) * view.near + window * view.far
+        return 1.0 / ((1.0 - window) / at_0 + window / at_1)
+    return (1.0 - window) * at_0 + window * at_1
 
 
 def _check_size(view: View, max_side: int) -> None:

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hsr.opengl.drawing import DEPTH_STEP, Drawing
+from hsr.opengl.depth import D24
+from hsr.opengl.drawing import Drawing
 from hsr.scene.shapes import Kind, Polygons, Shape
 from hsr.viewing import CULL, Placement, View
 from hsr.visibility import BACKGROUND
@@ -43,7 +44,7 @@ DEPTH = np.where(FACE == BACKGROUND, np.inf, -np.abs(X) / 2)
 # Storing rounds by half a step. The driver computes z from float32 numbers of at most 1, each
 # operation rounding by at most half a step: eight steps leave room for fourteen operations, and
 # are a hundred-thousandth of the picture's own depths. Depths here run over 2, not 1.
-TOLERANCE = 2 * 8 * DEPTH_STEP
+TOLERANCE = 2 * 8 * D24.step
 
 
 def picture() -> View:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from hsr.experiments.stability.family import GROUPS
 from hsr.experiments.stability.judge import FINE, Result
 from hsr.experiments.stability.plots import chart
-from hsr.experiments.stability.summary import headline, markdown, number
+from hsr.experiments.stability.summary import headline, matrix, number
 from hsr.output import make_folder, write_whole
 from hsr.report.page import style, templates
 
@@ -28,7 +29,8 @@ def write_folder(results: Sequence[Result], folder: Path) -> list[Path]:
     Returns
     -------
     list of Path
-        ``index.html``, ``results.json``, ``table.md``, and ``FAMILY.svg`` of every family.
+        ``index.html``, ``results.json`` with every point, ``matrix.json`` without, and ``FAMILY.svg``
+        of every family.
 
     Raises
     ------
@@ -40,7 +42,7 @@ def write_folder(results: Sequence[Result], folder: Path) -> list[Path]:
     written = {
         "index.html": page(results, charts),
         "results.json": json.dumps({"hsr": 1, "families": [r.to_json() for r in results]}, indent=1) + "\n",
-        "table.md": markdown(results) + "\n",
+        "matrix.json": json.dumps(matrix(results), indent=1) + "\n",
     } | {f"{name}.svg": svg for name, svg in charts.items()}
     for name, text in written.items():
         write_whole(folder / name, text, "the stability report")
@@ -57,12 +59,17 @@ def page(results: Sequence[Result], charts: dict[str, str]) -> str:
         SVG documents by family.
     """
     environment = templates()
-    environment.filters["number"] = number
+    environment.filters |= {"number": number, "raised": raised}
     return environment.get_template("stability.html").render(
         results=results,
         groups=GROUPS,
-        headline=headline(results),
+        headline=headline(matrix(results)["families"]),
         fine=FINE,
         charts={name: Markup(svg[svg.index("<svg") :]) for name, svg in charts.items()},
         style=style("stability.css"),
     )
+
+
+def raised(formula: str) -> Markup:
+    """Write the powers of a formula, as in ``2^-24`` and ``2^(b+1)``, as HTML does."""
+    return Markup(re.sub(r"\^(-?\w+(?:\.\d+)?|-?\([^)]*\))", r"<sup>\1</sup>", str(escape(formula))))

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import hsr
-from hsr.errors import MethodError
+from hsr.errors import MethodError, NoOpenGLError
+from hsr.opengl.depth import DEPTH_BUFFERS
 from tests.opengl.brute_force import assert_agrees
 from tests.opengl.conftest import opened
 
@@ -47,6 +48,36 @@ def test_agrees_with_brute_force_where_no_edge_is_near(make_scene: Any, camera: 
     assert_agrees(answer.face, answer.depth, view, relative=1e-5)
 
 
+@pytest.mark.parametrize("camera", ["to infinity", "near and far cut", "parallel"])
+@pytest.mark.parametrize("kept", DEPTH_BUFFERS)
+def test_every_depth_format_draws_the_same(make_scene: Any, kept: str, camera: str) -> None:
+    scene = make_scene(objects(), **CAMERAS[camera]).model_copy(update={"segments": 12})
+    view = hsr.view(scene, (40, 30))
+    try:
+        answer = hsr.render(view, "opengl", depth_format=kept)
+    except NoOpenGLError as error:
+        pytest.skip(str(error))
+    # Two steps of 16 bits, 2 step z**2 / near; near = 0.5 and z = 6 make 4e-4 of z.
+    assert_agrees(answer.face, answer.depth, view, relative=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("kept", "apart"), [("d24", 0), ("d32f", 0), ("d32f-reversed-ndc", 0), ("d32f-reversed", 1)]
+)
+def test_only_reversed_floats_from_0_to_1_resolve_what_is_far(make_scene: Any, kept: str, apart: int) -> None:
+    """Two walls 1000 near distances away, 2**-9 apart: 32 spacings of float32, a thirtieth of a D24 step."""
+    walls = [
+        {"name": name, "shape": "square", "transform": [{"scale": 2000.0}, {"translate": [0.0, 0.0, z]}]}
+        for name, z in (("far", -1000.0 - 2.0**-9), ("near", -1000.0))
+    ]
+    scene = make_scene(walls, eye=[0.0, 0.0, 0.0], target=[0.0, 0.0, -1.0], near=1.0)
+    try:
+        answer = hsr.render(scene, "opengl", size=(8, 8), depth_format=kept)
+    except NoOpenGLError as error:
+        pytest.skip(str(error))
+    assert (answer.face == apart).all()
+
+
 def test_says_what_drew_and_how_long_it_took(make_scene: Any) -> None:
     answer = hsr.render(make_scene([{"name": "cube", "shape": "cube"}], near=0.5), "opengl", size=(8, 8))
     assert answer.method == "opengl"
@@ -68,6 +99,11 @@ def test_the_backend_can_be_chosen(make_scene: Any) -> None:
     if maps[0].notes["driver"] == maps[1].notes["driver"]:
         np.testing.assert_array_equal(maps[0].face, maps[1].face)
         np.testing.assert_array_equal(maps[0].depth, maps[1].depth)
+
+
+def test_an_unknown_depth_format_is_refused(make_scene: Any) -> None:
+    with pytest.raises(MethodError, match="opengl has no depth_format 'd8'; choose from d16, d24, d32f"):
+        hsr.render(make_scene(objects()), "opengl", size=(8, 8), depth_format="d8")
 
 
 def test_an_unknown_backend_is_refused() -> None:

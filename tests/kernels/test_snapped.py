@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from hsr.kernels import snapped
 
-ONE = np.float32(1.0)
+ONE = np.ones(6, np.float32)
 SINGLES = st.floats(-(2.0**40), 2.0**40, width=32, allow_subnormal=False)
 
 
@@ -76,7 +76,7 @@ def test_outcodes(vertex: list[float], code: int) -> None:
 def test_a_guard_band_widens_the_sides_only() -> None:
     codes = np.empty(2, dtype=np.int32)
     vertices = np.array([[1.5, -1.5, 0.0, 1.0], [0.0, 0.0, 1.5, 1.0]], dtype=np.float32)
-    snapped.outcodes(vertices, np.float32(2.0), codes)
+    snapped.outcodes(vertices, np.array([2, 2, 2, 2, 1, 1], np.float32), codes)
     assert codes.tolist() == [0, 32]
 
 
@@ -120,7 +120,8 @@ def test_a_cut_is_reckoned_from_the_nearer_end() -> None:
     inside, outside = [0.1, 0.3, 0.0, 1.0], [1.7, 0.7, 0.0, 1.0]
     polygon, _ = clipped([inside, outside, [0.1, 0.3, 0.0, 1.0]], 1)
     start, end = np.float32(outside), np.float32(inside)
-    t = (ONE - start[0]) / ((ONE - start[0]) - (ONE - end[0]))
+    one = np.float32(1.0)
+    t = (one - start[0]) / ((one - start[0]) - (one - end[0]))
     assert polygon[1] == (start + t * (end - start)).tolist()
 
 

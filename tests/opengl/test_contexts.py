@@ -49,7 +49,7 @@ def test_a_driver_with_a_coarse_depth_buffer_is_refused(
     context: Context, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     exact = drawing.depth_of_window
-    monkeypatch.setattr(drawing, "depth_of_window", lambda view, d: exact(view, d) + 2.0**-16)
+    monkeypatch.setattr(drawing, "depth_of_window", lambda *given: exact(*given) + 2.0**-16)
     assert flaw(context) == "stores wrong depths of the test picture"
 
 

@@ -9,7 +9,8 @@ import pytest
 import hsr
 from hsr.errors import MethodError
 from hsr.opengl.contexts import Context
-from hsr.opengl.drawing import DEPTH_STEP, Drawing, depth_of_window
+from hsr.opengl.depth import D24
+from hsr.opengl.drawing import Drawing, depth_of_window
 from hsr.viewing import View
 
 PARALLEL = {"type": "orthographic", "height": 2.0, "near": 1.0, "far": 9.0, "eye": [0.0, 0.0, 5.0]}
@@ -86,7 +87,7 @@ def test_drawing_again_gives_the_same(context: Context, make_scene: Any) -> None
 def test_depths_are_integers_over_24_bits(context: Context, make_scene: Any) -> None:
     view = hsr.view(make_scene([{"name": "cube", "shape": "cube"}], near=1.0), (32, 24))
     _, depth = drawn(context, view)
-    stored = (1.0 - view.near / depth[np.isfinite(depth)]) / DEPTH_STEP
+    stored = (1.0 - view.near / depth[np.isfinite(depth)]) / D24.step
     np.testing.assert_allclose(stored, np.rint(stored), atol=1e-6)
     assert len(np.unique(stored)) > 100
 

@@ -22,7 +22,7 @@ def results() -> list[Result]:
 def test_the_folder_holds_page_charts_and_figures(results: list[Result], tmp_path: Path) -> None:
     folder = tmp_path / "lab"
     written = write_folder(results, folder)
-    names = {"index.html", "results.json", "table.md", "integer-overflow.svg", "cyclic-overlap.svg"}
+    names = {"index.html", "results.json", "matrix.json", "integer-overflow.svg", "cyclic-overlap.svg"}
     assert {path.name for path in written} == {path.name for path in folder.iterdir()} == names
     page = (folder / "index.html").read_text(encoding="utf-8")
     assert page.count("<svg") == 2 and "http://www.w3.org" in page

@@ -16,7 +16,7 @@ vertex snapping   float32 window, corners rounded to a grid,    edges from clip 
 fill rule         the driver's                                  left and top edges own their samples
 depth arithmetic  the plane through float32 window corners,     the plane through clip corners,
                   float32, drawn if nearer than 1               float64
-depth format      rounded to integers                           kept as it is
+depth format      rounded to integers, if it has any            kept as it is
 ================  ============================================  ====================================
 
 Culling is part of the scene, not a stage: it goes by the corners that the model has.
@@ -40,6 +40,7 @@ import numpy as np
 
 from hsr.arrays import Array, Bools, Floats, Ints
 from hsr.kernels import snapped
+from hsr.opengl.depth import D24, DepthBuffer
 from hsr.viewing import CULL, View
 from hsr.visibility import BACKGROUND
 
@@ -74,15 +75,25 @@ class Driver:
         Triangles are clipped where ``|x|`` or ``|y|`` exceeds ``guard * w``.
     batch : int
         So many triangles at a time are tested for clipping.
-    depth_bits : int
-        Bits of the integers in the depth buffer.
+    depth : DepthBuffer
     """
 
     subpixel_bits: int = 8
     bottom_left: bool = True
     guard: float = 1.0
     batch: int = 341
-    depth_bits: int = 24
+    depth: DepthBuffer = D24
+
+    @property
+    def reach(self) -> Array:
+        """How far from 0 each clip plane is, in w; see :func:`hsr.kernels.snapped.outcodes`."""
+        near = 0.0 if self.depth.zero_to_one else 1.0
+        return np.array([self.guard] * 4 + [near, 1.0], dtype=np.float32)
+
+    @property
+    def to_window(self) -> tuple[float, float]:
+        """The factor and the shift that carry normalised depth to [0, 1]."""
+        return (1.0, 0.0) if self.depth.zero_to_one else (0.5, 0.5)
 
 
 LLVMPIPE = Driver()
@@ -98,8 +109,8 @@ class Prediction:
     face : (H, W) int32
         Face id of the owner of each sample, -1 for the background. Row 0 is the top row.
     window : (H, W) float64
-        Depth in the window: 0 at near, 1 at far, affine on the screen. In the background 1, or
-        ``+inf`` in models that end before the depth arithmetic.
+        Depth in the window: 0 at near, 1 at far, or reversed, affine on the screen. In the background
+        what the buffer is cleared to, or infinite in models that end before the depth arithmetic.
     """
 
     face: Ints
@@ -157,7 +168,7 @@ def drawn_at(view: View, row: int, column: int, driver: Driver = LLVMPIPE) -> It
     up = view.height - 1 - row
     value = outlines.edges @ np.array([1, column, up])
     inside = (value / np.hypot(outlines.edges[:, :, 1], outlines.edges[:, :, 2])).min(axis=1, initial=np.inf)
-    levels = np.float32(2.0**driver.depth_bits - 1.0)
+    levels = np.float32(2.0**driver.depth.bits - 1.0)
     for face, distance, plane in zip(outlines.face, inside, outlines.plane, strict=True):
         level = snapped.depth_at(plane, column, up, snapped.UNORM, levels)
         yield Drawn(int(face), float(distance), int(level))
@@ -167,12 +178,12 @@ def _outlines(view: View, upto: Stage, driver: Driver) -> _Outlines:
     size = (view.width, view.height)
     # What lies behind the eye divides by zero, and is clipped away.
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        triangles = _input(view, upto)
+        triangles = _input(view, upto, driver)
         if upto >= Stage.CLIPPING:
             triangles = _clipped(triangles, driver)
         if upto >= Stage.VERTEX_SNAPPING:
             return _snapped(triangles, size, upto, driver)
-        return _homogeneous(triangles, size, upto)
+        return _homogeneous(triangles, size, upto, driver)
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,7 +230,7 @@ class _Outlines:
 # ---------------------------------------------------------------- transform and clipping
 
 
-def _input(view: View, upto: Stage) -> _Triangles:
+def _input(view: View, upto: Stage, driver: Driver) -> _Triangles:
     """Carry the corners of all triangles to clip coordinates.
 
     A corner is the sum of the matrix's columns, weighted, from the first to the last.
@@ -227,7 +238,7 @@ def _input(view: View, upto: Stage) -> _Triangles:
     polygons = view.tessellated().polygons
     number = np.float32 if upto >= Stage.TRANSFORM else np.float64
     x, y, z = polygons.vertices.astype(np.float32).astype(number).T[:, :, None]
-    columns = view.clip_from_world.astype(np.float32).astype(number).T
+    columns = driver.depth.clip_from_world(view).astype(np.float32).astype(number).T
     clip = ((columns[0] * x + columns[1] * y) + columns[2] * z) + columns[3]
     corner = polygons.triangle_vertex
     return _Triangles(
@@ -241,9 +252,8 @@ def _input(view: View, upto: Stage) -> _Triangles:
 
 def _clipped(triangles: _Triangles, driver: Driver) -> _Triangles:
     """Clip the triangles that cross a plane; what is left becomes a fan about its first corner."""
-    guard = np.float32(driver.guard)
     codes = np.empty(triangles.made.shape, dtype=np.int32)
-    snapped.outcodes(triangles.clip.reshape(-1, 4), guard, codes.reshape(-1))
+    snapped.outcodes(triangles.clip.reshape(-1, 4), driver.reach, codes.reshape(-1))
     outside = np.bitwise_or.reduce(codes, axis=1)
     hidden = np.bitwise_and.reduce(codes, axis=1) != 0
     triangles = replace(triangles, staged=_batched(outside != 0, triangles.cull, driver.batch))
@@ -253,7 +263,7 @@ def _clipped(triangles: _Triangles, driver: Driver) -> _Triangles:
     made = np.zeros(clip.shape[:2], dtype=np.bool_)
     corners = np.empty(len(crossing), dtype=np.int32)
     clip[:, :3] = triangles.clip[crossing]
-    snapped.clip_triangles(clip, made, outside[crossing], guard, corners)
+    snapped.clip_triangles(clip, made, outside[crossing], driver.reach, corners)
 
     source = [np.flatnonzero(outside == 0)]
     parts = [triangles.of(source[0])]
@@ -282,7 +292,7 @@ def _batched(outside: Bools, cull: Array, size: int) -> Bools:
 
 def _snapped(triangles: _Triangles, size: tuple[int, int], upto: Stage, driver: Driver) -> _Outlines:
     """Edges in integers, through corners on the sub-pixel grid counted from the first sample."""
-    window = _window(triangles, size)
+    window = _window(triangles, size, driver)
     one = 1 << driver.subpixel_bits
     grid = np.rint((window[:, :, :2] - np.float32(0.5)) * np.float32(one)).astype(np.int64)
 
@@ -299,20 +309,24 @@ def _snapped(triangles: _Triangles, size: tuple[int, int], upto: Stage, driver: 
 
     bottom = upto >= Stage.FILL_RULE and driver.bottom_left
     edges, closed = _integer_edges(grid, one, bottom)
-    plane = _window_plane(window) if upto >= Stage.DEPTH_ARITHMETIC else _clip_plane(triangles.clip, size)
+    plane = _window_plane(window)
+    if upto < Stage.DEPTH_ARITHMETIC:
+        plane = _clip_plane(triangles.clip, size, driver)
     box = _box(grid.min(axis=1) / one, grid.max(axis=1) / one, size)
     return _Outlines(edges, closed, box, plane, triangles.face)
 
 
-def _window(triangles: _Triangles, size: tuple[int, int]) -> Array:
+def _window(triangles: _Triangles, size: tuple[int, int], driver: Driver) -> Array:
     """Window coordinates (n, 3, 3) float32; those of a corner that clipping made round twice."""
-    half = np.array([size[0] / 2.0, size[1] / 2.0, 0.5], dtype=np.float32)
+    factor, shift = driver.to_window
+    scale = np.array([size[0] / 2.0, size[1] / 2.0, factor], dtype=np.float32)
+    move = np.array([size[0] / 2.0, size[1] / 2.0, shift], dtype=np.float32)
     clip = triangles.clip.reshape(-1, 4)
     window = np.empty((len(clip), 3), dtype=np.float32)
-    snapped.project(clip, half, half, window)
+    snapped.project(clip, scale, move, window)
     made = triangles.made.ravel()
     new = clip[made]
-    window[made] = new[:, :3] * (np.float32(1.0) / new[:, 3:]) * half + half
+    window[made] = new[:, :3] * (np.float32(1.0) / new[:, 3:]) * scale + move
     return window.reshape(-1, 3, 3)
 
 
@@ -362,7 +376,7 @@ def _window_plane(window: Array) -> Floats:
 # ---------------------------------------------------------------- edges from clip coordinates
 
 
-def _homogeneous(triangles: _Triangles, size: tuple[int, int], upto: Stage) -> _Outlines:
+def _homogeneous(triangles: _Triangles, size: tuple[int, int], upto: Stage, driver: Driver) -> _Outlines:
     """Edges from clip coordinates, for which no corner need lie in front of the eye.
 
     With a triangle's corners as vectors (x, y, w), the edge opposite a corner is the cross product
@@ -375,12 +389,13 @@ def _homogeneous(triangles: _Triangles, size: tuple[int, int], upto: Stage) -> _
     clip, area = clip[drawn], area[drawn]
     edges = _per_sample(_opposite_edges(clip) * np.sign(area)[:, None, None], size)
     closed = (edges[:, :, 1] > 0) | (edges[:, :, 1] == 0) & (edges[:, :, 2] < 0)
-    plane = _clip_plane(clip, size)
+    plane = _clip_plane(clip, size, driver)
     if upto < Stage.CLIPPING:
-        beyond_near, before_far = plane, [1.0, 0.0, 0.0] - plane
-        edges = np.concatenate([edges, np.stack([beyond_near, before_far], axis=1)], axis=1)
+        # Window depth is at least 0 and at most 1: beyond near and before far, or the other way round.
+        above, below = plane, [1.0, 0.0, 0.0] - plane
+        edges = np.concatenate([edges, np.stack([above, below], axis=1)], axis=1)
         closed = np.concatenate([closed, np.ones((len(clip), 2), dtype=np.bool_)], axis=1)
-    return _Outlines(edges, closed, _box_beyond_near(clip, size), plane, triangles.face[drawn])
+    return _Outlines(edges, closed, _box_beyond_near(clip, size, driver), plane, triangles.face[drawn])
 
 
 def _opposite_edges(clip: Floats) -> Floats:
@@ -388,7 +403,7 @@ def _opposite_edges(clip: Floats) -> Floats:
     return np.cross(np.roll(corners, -1, axis=1), np.roll(corners, -2, axis=1))
 
 
-def _clip_plane(clip: Array, size: tuple[int, int]) -> Floats:
+def _clip_plane(clip: Array, size: tuple[int, int], driver: Driver) -> Floats:
     """Depth as ``p0 + p1 column + p2 row``, in float64, from corners in clip coordinates.
 
     At a sample, opposite edges divided by the determinant of the (x, y, w) weigh the corners so
@@ -398,7 +413,8 @@ def _clip_plane(clip: Array, size: tuple[int, int]) -> Floats:
     edges = _opposite_edges(clip)
     determinant = np.einsum("nk,nk->n", clip[:, 0, XYW], edges[:, 0])
     z = np.einsum("nk,nkj->nj", clip[:, :, 2], edges) / determinant[:, None]
-    return 0.5 * _per_sample(z, size) + [0.5, 0.0, 0.0]
+    factor, shift = driver.to_window
+    return factor * _per_sample(z, size) + [shift, 0.0, 0.0]
 
 
 def _per_sample(rows: Floats, size: tuple[int, int]) -> Floats:
@@ -409,9 +425,10 @@ def _per_sample(rows: Floats, size: tuple[int, int]) -> Floats:
     return np.stack([constant, a * 2.0 / width, b * 2.0 / height], axis=-1)
 
 
-def _box_beyond_near(clip: Floats, size: tuple[int, int]) -> Ints:
+def _box_beyond_near(clip: Floats, size: tuple[int, int], driver: Driver) -> Ints:
     """Bounds of what lies beyond the near plane; a sample wider, so that no rounding counts."""
-    beyond = clip[:, :, 2] + clip[:, :, 3]
+    z, w = clip[:, :, 2], clip[:, :, 3]
+    beyond = w - z if driver.depth.reversed else z + w
     beyond_next = np.roll(beyond, -1, axis=1)
     crosses = (beyond < 0) != (beyond_next < 0)
     t = np.where(crosses, beyond / (beyond - beyond_next), 0.0)[:, :, None]
@@ -435,11 +452,14 @@ def _box(low: Floats, high: Floats, size: tuple[int, int]) -> Ints:
 
 
 def _drawn(outlines: _Outlines, size: tuple[int, int], upto: Stage, driver: Driver) -> Prediction:
-    levels = 2.0**driver.depth_bits - 1.0
+    buffer = driver.depth
+    levels = 2.0**buffer.bits - 1.0
+    # The kernel shows the least depth. Negating is exact, and rounds what follows alike.
+    sign = -1.0 if buffer.reversed else 1.0
     arithmetic, clear, step = snapped.FLOAT64, np.inf, 1.0
-    if upto == Stage.DEPTH_ARITHMETIC:
-        arithmetic, clear = snapped.FLOAT32, 1.0
-    elif upto == Stage.DEPTH_FORMAT:
+    if upto >= Stage.DEPTH_ARITHMETIC:
+        arithmetic, clear = snapped.FLOAT32, sign * buffer.cleared_to
+    if upto == Stage.DEPTH_FORMAT and buffer.bits:
         arithmetic, clear, step = snapped.UNORM, levels, 1.0 / levels
     triangle = np.full(size[::-1], -1, dtype=np.int32)
     depth = np.full(size[::-1], clear)
@@ -447,11 +467,11 @@ def _drawn(outlines: _Outlines, size: tuple[int, int], upto: Stage, driver: Driv
         outlines.edges,
         outlines.closed,
         outlines.box,
-        outlines.plane,
+        sign * outlines.plane,
         arithmetic,
         np.float32(levels),
         triangle,
         depth,
     )
     face = np.append(outlines.face, np.int32(BACKGROUND))[triangle]
-    return Prediction(np.ascontiguousarray(face[::-1]), depth[::-1] * step)
+    return Prediction(np.ascontiguousarray(face[::-1]), sign * step * depth[::-1])

@@ -22,19 +22,21 @@ from hsr.visibility import BACKGROUND
 
 
 @lru_cache(maxsize=1)
-def predicted(view: View, options: Options) -> tuple[Ints, Floats]:  # noqa: ARG001
+def predicted(view: View, options: Options) -> tuple[Ints, Floats]:
     """Predict faces and depths (H, W) of the driver."""
-    prediction = llvmpipe.predict(view)
+    prediction = llvmpipe.predict(view, driver=llvmpipe.Driver(depth=options.buffer))
     depth = np.full(prediction.face.shape, np.inf)
     drawn = prediction.face != BACKGROUND
-    depth[drawn] = depth_of_window(view, prediction.window[drawn])
+    depth[drawn] = depth_of_window(view, prediction.window[drawn], options.buffer.reversed)
     return prediction.face, depth
 
 
 def _up_to(stage: llvmpipe.Stage) -> Callable[[View, Options, Array], Ints]:
     def faces(view: View, options: Options, samples: Array) -> Ints:
-        last = stage == llvmpipe.Stage.DEPTH_FORMAT
-        face = predicted(view, options)[0] if last else llvmpipe.predict(view, stage).face
+        if stage == llvmpipe.Stage.DEPTH_FORMAT:
+            face, _ = predicted(view, options)
+        else:
+            face = llvmpipe.predict(view, stage, llvmpipe.Driver(depth=options.buffer)).face
         return np.asarray(face.ravel()[samples])
 
     return faces

@@ -155,8 +155,8 @@ class Family:
     figure, figure_name
         If given, a function from a case and its wrong samples to what is measured in place of their
         number, and the name of that. It is 0 where nothing is wrong.
-    crossings : mapping
-        Values of the parameter at which theories cross, by what becomes better than what.
+    marked : mapping
+        Values of the parameter that the chart marks, by what they are: where theories cross, say.
     """
 
     name: str
@@ -172,7 +172,7 @@ class Family:
     wrong: Callable[[Case], Bools] = not_admissible
     figure: Callable[[Case, Bools], float] | None = None
     figure_name: str = "wrong samples"
-    crossings: Mapping[str, float] = field(default_factory=dict)
+    marked: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def ascending(self) -> bool:

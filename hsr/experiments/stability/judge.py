@@ -80,8 +80,8 @@ class Row:
     points : tuple of Point
         From easy to hard.
     predicted, measured : float or None
-        The value of the parameter from which on samples are wrong; None: nowhere in the sweep. With a
-        figure of the family's own, that figure where the two differ most.
+        The value of the parameter from which on samples are wrong; None: nowhere in the sweep. Of a variant
+        with a curve, the figure where the two differ most.
     curve : tuple of float
         The figure that theory expects at every point, if the family has one of its own.
     verdict : Verdict
@@ -132,12 +132,15 @@ class Result:
     rows : tuple of Row
     skipped : dict of str to str
         Who could not take part on this machine, and why.
+    drivers : dict of str to str
+        What the peers' libraries say of themselves.
     """
 
     family: Family
     side: int
     rows: tuple[Row, ...]
     skipped: dict[str, str]
+    drivers: dict[str, str]
 
     def to_json(self) -> dict[str, Any]:
         """Return the result as JSON values."""
@@ -149,6 +152,7 @@ class Result:
             "side": self.side,
             "rows": [row.to_json() for row in self.rows],
             "skipped": self.skipped,
+            "drivers": self.drivers,
         }
 
 
@@ -180,6 +184,7 @@ def judge(
     variants = family.contenders(tuple(asked), quick)
     points: dict[str, list[Point]] = {variant.name: [] for variant in variants}
     skipped: dict[str, str] = {}
+    drivers: dict[str, str] = {}
     for value in values:
         progress(f"{family.name} {value:g}")
         problem = _Problem(family, value, side)
@@ -187,15 +192,19 @@ def judge(
             if variant.name in skipped:
                 continue
             try:
-                points[variant.name].append(_judged(problem, variant, QUICK_TRACED if quick else TRACED))
+                point, driver = _judged(problem, variant, QUICK_TRACED if quick else TRACED)
             except UnavailableError as error:
                 skipped[variant.name] = str(error)
+                continue
+            points[variant.name].append(point)
+            if driver:
+                drivers[variant.name] = driver
     rows = tuple(
         _row(family, side, variant, points[variant.name])
         for variant in variants
         if variant.name not in skipped
     )
-    return Result(family, side, rows, skipped)
+    return Result(family, side, rows, skipped, drivers)
 
 
 class _Problem:
@@ -215,18 +224,20 @@ class _Problem:
         return self._truths[curved]
 
 
-def _judged(problem: _Problem, variant: Variant, traced: int) -> Point:
+def _judged(problem: _Problem, variant: Variant, traced: int) -> tuple[Point, str]:
+    """Render one value by one variant; return what came out, and the driver that did it, if one did."""
     seen, truth = problem.truth(variant.curved)
     samples = seen.width * seen.height
     try:
         answer = variant.render(seen)
     except MethodError as refusal:
-        return Point(problem.value, 0, samples, 0.0, {}, str(refusal))
+        return Point(problem.value, 0, samples, 0.0, {}, str(refusal)), ""
     case = Case(problem.family, problem.value, seen, truth, variant, answer)
     wrong = problem.family.wrong(case)
     count = int(np.count_nonzero(wrong))
     figure = problem.family.figure(case, wrong) if problem.family.figure else float(count)
-    return Point(problem.value, count, samples, figure, _causes(case, wrong, traced))
+    point = Point(problem.value, count, samples, figure, _causes(case, wrong, traced))
+    return point, answer.notes.get("driver", "")
 
 
 def _causes(case: Case, wrong: Bools, traced: int) -> dict[str, int]:

@@ -30,8 +30,8 @@ def on_screen(gain: float = 1.0) -> tuple[Variant, ...]:
 def in_space(gain: float = 1.0) -> tuple[Variant, ...]:
     """Return ray casting in float32, if ``gain`` times the rounding of corners and directions matters."""
     told = "2^-24 W px: float32 directions and corners" + _times(gain)
-    names = ("raycast-moller-trumbore-float32", "raycast-woop-float32")
-    return tuple(Variant(name, lambda side: gain * U32 * side, told, 8.0) for name in names)
+    names = ("raycast-moller-trumbore-float32", "raycast-woop-float32", "embree")
+    return tuple(Variant(name, lambda side: gain * U32 * side, told) for name in names)
 
 
 def _times(gain: float) -> str:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any
 
+from hsr.experiments.machine import commit, machine
 from hsr.experiments.stability.family import CERTIFIED
 from hsr.experiments.stability.judge import Result, Row, Verdict
 
@@ -32,29 +35,65 @@ def cells(row: Row) -> tuple[str, ...]:
 
 
 def number(value: float | None) -> str:
-    """Write a value of a parameter in three figures; ``-`` if there is none."""
-    return "-" if value is None else f"{value:.3g}"
+    """Write a value in three figures, as ``1,290`` or ``1.91e-6``; ``-`` if there is none."""
+    if value is None:
+        return "-"
+    if value == 0.0 or 1e-3 <= abs(value) < 1e6:
+        return f"{float(f'{value:.3g}'):,.9g}"
+    figures, exponent = f"{value:.2e}".split("e")
+    return f"{figures}e{int(exponent)}"
 
 
-def headline(results: Sequence[Result]) -> str:
-    """Sum up in one sentence: families, rows, verdicts, and what certified methods got wrong."""
-    rows = [row for result in results for row in result.rows]
-    counts = [f"{sum(row.verdict == verdict for row in rows)} {verdict}" for verdict in Verdict]
-    certified = sum(row.wrong for row in rows if row.variant in CERTIFIED)
-    unexplained = sum(row.unexplained for row in rows)
+def headline(families: Sequence[Mapping[str, Any]]) -> str:
+    """Sum up in one sentence: rows, verdicts, what certified methods got wrong, what is unexplained.
+
+    Parameters
+    ----------
+    families : sequence of mapping
+        Those of :func:`matrix`.
+    """
+    rows = [row for family in families for row in family["rows"]]
+    counts = [f"{sum(row['verdict'] == verdict for row in rows)} {verdict}" for verdict in Verdict]
+    certified = sum(row["wrong"] for row in rows if row["variant"] in CERTIFIED)
+    unexplained: Counter[str] = Counter()
+    for row in rows:
+        unexplained[row["variant"]] += row["unexplained"]
+    whose = ", ".join(f"{name} {count}" for name, count in unexplained.items() if count)
     return (
-        f"{len(results)} {'family' if len(results) == 1 else 'families'}, {len(rows)} rows: "
-        f"{', '.join(counts)}; certified methods: {certified} wrong samples; {unexplained} unexplained"
+        f"{len(families)} {'family' if len(families) == 1 else 'families'}, {len(rows)} rows: "
+        f"{', '.join(counts)}; certified methods: {certified} wrong samples; "
+        f"{unexplained.total()} unexplained{f' ({whose})' if whose else ''}"
     )
 
 
-def markdown(results: Sequence[Result]) -> str:
-    """Write the ten most instructive rows, as far as they are among the results, as a Markdown table."""
-    found = {(result.family.name, row.variant): (result, row) for result in results for row in result.rows}
+def matrix(results: Sequence[Result]) -> dict[str, Any]:
+    """Return the rows without their points, and what they were made with, as JSON values."""
+    families = [result.to_json() for result in results]
+    for family in families:
+        family["rows"] = [
+            {key: value for key, value in row.items() if key not in ("points", "curve")}
+            for row in family["rows"]
+        ]
+    made_with = {"commit": commit(), "versions": machine().versions}
+    return {"hsr": 1, **made_with, "families": families}
+
+
+def markdown(families: Sequence[Mapping[str, Any]]) -> str:
+    """Write the ten most instructive rows, as far as they are there, as a Markdown table.
+
+    Parameters
+    ----------
+    families : sequence of mapping
+        Those of :func:`matrix`.
+    """
+    found = {
+        (family["family"], row["variant"]): (family, row) for family in families for row in family["rows"]
+    }
     table = ["| hard case | what is swept | variant | theory | predicted | measured | certified, wrong |"]
     table.append("|---|---|---|---|---:|---:|---:|")
-    for result, row in (found[key] for key in INSTRUCTIVE if key in found):
-        certified = sum(other.wrong for other in result.rows if other.variant in CERTIFIED)
-        facts = (row.variant, row.because, number(row.predicted), number(row.measured), str(certified))
-        table.append(f"| {' | '.join((result.family.name, result.family.parameter, *facts))} |")
+    for family, row in (found[key] for key in INSTRUCTIVE if key in found):
+        certified = sum(other["wrong"] for other in family["rows"] if other["variant"] in CERTIFIED)
+        broken = (number(row["predicted"]), number(row["measured"]), str(certified))
+        facts = (family["family"], family["parameter"], row["variant"], f"`{row['because']}`", *broken)
+        table.append(f"| {' | '.join(facts)} |")
     return "\n".join(table)

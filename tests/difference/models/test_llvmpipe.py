@@ -12,6 +12,7 @@ import pytest
 from hsr.arrays import Floats, Ints
 from hsr.difference.models.llvmpipe import Driver, Prediction, Stage, predict
 from hsr.errors import UnavailableError
+from hsr.opengl.depth import D24, DEPTH_BUFFERS, DepthBuffer
 from hsr.scene.model import Scene
 from hsr.scene.shapes import Kind, Polygons, Shape
 from hsr.viewing import View, view
@@ -87,17 +88,17 @@ def llvmpipe() -> Any:
     return context
 
 
-def assert_drawn_as_predicted(seen: View, context: Any) -> Prediction:
+def assert_drawn_as_predicted(seen: View, context: Any, buffer: DepthBuffer = D24) -> Prediction:
     from hsr.opengl.drawing import Drawing, depth_of_window
 
-    with Drawing(context, seen) as drawing:
+    with Drawing(context, seen, buffer) as drawing:
         drawing.draw()
         face, depth = drawing.read()
-    model = predict(seen)
+    model = predict(seen, driver=Driver(depth=buffer))
     assert np.array_equal(model.face, face)
     drawn = face >= 0
-    assert np.array_equal(depth_of_window(seen, model.window[drawn]), depth[drawn])
-    assert (model.window[~drawn] == 1.0).all()
+    assert np.array_equal(depth_of_window(seen, model.window[drawn], buffer.reversed), depth[drawn])
+    assert (model.window[~drawn] == buffer.cleared_to).all()
     return model
 
 
@@ -105,6 +106,13 @@ def assert_drawn_as_predicted(seen: View, context: Any) -> Prediction:
 @pytest.mark.parametrize("seed", range(48))
 def test_the_last_model_is_what_the_driver_draws(seed: int, llvmpipe: Any) -> None:
     assert_drawn_as_predicted(random_view(seed), llvmpipe)
+
+
+@pytest.mark.jit
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("name", [name for name in DEPTH_BUFFERS if name != "d24"])
+def test_so_it_is_in_every_depth_format(name: str, seed: int, llvmpipe: Any) -> None:
+    assert_drawn_as_predicted(random_view(seed), llvmpipe, DEPTH_BUFFERS[name])
 
 
 # Runs clockwise; snapped to multiples of 1/256, counter-clockwise along the samples of column 4.
@@ -232,7 +240,7 @@ def test_depth_arithmetic_does_not_draw_what_lies_on_the_far_plane() -> None:
 def test_the_depth_format_makes_ties_of_what_is_closer_than_its_step() -> None:
     seen = parallel(*square(9.5), *square(9.5 + 2.0**-20))  # 1 / 2**24 of the depth range, near 0
     assert set(faces(seen, Stage.DEPTH_ARITHMETIC).ravel()) == {2, 3}
-    samples, after = change(seen, Stage.DEPTH_FORMAT, depth_bits=16)
+    samples, after = change(seen, Stage.DEPTH_FORMAT, depth=DEPTH_BUFFERS["d16"])
     assert len(samples) == 64
     assert set(after.face.ravel()) == {0, 1}
     assert np.array_equal(after.window * 65535, np.full((8, 8), 2048.0))

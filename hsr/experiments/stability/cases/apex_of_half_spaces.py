@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from hsr.experiments.stability.building import central, powers_of_two, scene_of
-from hsr.experiments.stability.family import Family
+from hsr.experiments.stability.family import Family, Variant
 from hsr.experiments.stability.rounding import in_space
 from hsr.scene.model import Scene
 
@@ -42,5 +42,5 @@ FAMILY = Family(
     parameter="distance of rays from the apex, in pixels",
     sweep=powers_of_two(-2, -36, 2),
     scene=scene,
-    variants=in_space(),
+    variants=(*in_space(), Variant("opengl", 2.0**-9, "2^-9 px: half the grid of its corners")),
 )

@@ -23,9 +23,9 @@ def first_wrong(bits: int) -> Variant:
 
     Corners have ``log2(W / (2 g))`` bits, products of two differences twice as many, and two more.
     """
-    told = f"2^(2 - {bits}/2) W / 2: products of two corners need more than {bits} bits"
+    told = f"2^(-{bits}/2) W: products of two corners need more than {bits} bits"
     name = "scanline-direct" if bits == 53 else "scanline-float32-direct"
-    return Variant(name, lambda side: 2.0 ** (2.0 - bits / 2.0) * side / 2.0, told, 8.0)
+    return Variant(name, lambda side: 2.0 ** (-bits / 2.0) * side, told)
 
 
 FAMILY = Family(

@@ -39,6 +39,6 @@ FAMILY = Family(
         Variant("painter", SWEEP[0], "always: there is no order"),
         Variant("scanline-d16", lambda side: 2.0**-16 / (0.6 * side), "2^-16 / (0.6 W)"),
         Variant("scanline-d24", lambda side: 2.0**-24 / (0.6 * side), "2^-24 / (0.6 W)"),
-        Variant("opengl", lambda side: 2.0**-24 / (0.6 * side), "2^-24 / (0.6 W), as D24", 8.0),
+        Variant("opengl", lambda side: 2.0**-24 / (0.6 * side), "2^-24 / (0.6 W), as D24"),
     ),
 )

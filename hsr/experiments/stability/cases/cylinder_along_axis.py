@@ -36,21 +36,18 @@ FAMILY = Family(
             "general axis, float32",
             2.0**-12,
             "2^-12: tilt^2 = 2^-24",
-            8.0,
             mistake=general_cylinders(np.float32),
         ),
         Variant(
             "general axis, float64",
             2.0**-26.5,
             "2^-26.5: tilt^2 = 2^-53",
-            64.0,
             mistake=general_cylinders(np.float64),
         ),
         Variant(
             "raycast-single",
             lambda side: 0.5 * side * side * U64,
             "2^-53 W^2 / 2: the distance to the wall",
-            16.0,
         ),
     ),
 )

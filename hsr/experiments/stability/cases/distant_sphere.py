@@ -49,17 +49,19 @@ FAMILY = Family(
         Variant(
             "naive float32",
             lambda side: (outline(side) * U32) ** -0.5,
-            "u D^2 band on the outline: (2^24 / 2 pi R^2)^1/2",
+            "sqrt(2^24 / (2 pi R^2)): a band of u D^2 about the outline",
             mistake=naive_spheres(np.float32),
         ),
         Variant(
             "naive float64",
             lambda side: (outline(side) * U64) ** -0.5,
-            "(2^53 / 2 pi R^2)^1/2",
+            "sqrt(2^53 / (2 pi R^2))",
             mistake=naive_spheres(np.float64),
         ),
         Variant(
-            "raycast-woop-float32", lambda side: 1.0 / (outline(side) * U32), "u D band: 2^24 / 2 pi R^2", 8.0
+            "raycast-woop-float32",
+            lambda side: 4.0 / (outline(side) * U32),
+            "2^26 / (2 pi R^2): a band of u D / 4, half a spacing on average",
         ),
     ),
 )

@@ -47,7 +47,7 @@ FAMILY = Family(
     scene=scene,
     variants=(
         Variant("opengl", first_wrong, "2^25 past / W: corners and matrix in float32"),
-        Variant("embree", first_wrong, "2^25 past / W: corners and rays in float32", 8.0),
+        Variant("embree", first_wrong, "2^25 past / W: corners and rays in float32"),
         Variant("float32 world", first_wrong, "2^25 past / W", mistake=Buffer(real=np.float32)),
         Variant("raycast-woop-float32", None, "float32 in the frame of the object, which does not move"),
     ),

@@ -33,7 +33,9 @@ def scene(length: float, _: int) -> Scene:
 def guarded(bits: int) -> Variant:
     """Return stepping in integers with so many guard bits."""
     at = 2.0 * GAP * 2.0**bits
-    return Variant(f"24 bits + {bits} guard", at, "2^g 2 gap", 4.0, "scanline-fixed", {"guard_bits": bits})
+    return Variant(
+        f"24 bits + {bits} guard", at, "2^g 2 gap", method="scanline-fixed", options={"guard_bits": bits}
+    )
 
 
 FAMILY = Family(

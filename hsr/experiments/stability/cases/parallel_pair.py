@@ -22,7 +22,7 @@ from hsr.experiments.stability.mistakes import (
 )
 from hsr.scene.model import Scene
 
-NEAR, FAR = 1.0, 65537.0
+NEAR, FAR = 1.0, 16385.0
 COLUMNS, ROWS = 64, 4
 FARTHEST = 1.0 + (ROWS - 1) / 64
 """Depth of the last row's pairs, over the distance."""
@@ -55,6 +55,11 @@ def format_of(curve: Callable[..., float], *bits: int, **keys: Any) -> Callable[
     return lambda at: curve(*bits, FARTHEST * at, NEAR, FAR, **keys)
 
 
+def of_the_driver(curve: Callable[..., float], *bits: int) -> Callable[[float], float]:
+    """Return the same for a driver, which rounds corners to float32 before anything else."""
+    return lambda at: max(curve(*bits, FARTHEST * at, NEAR, FAR), theory.spacing(FARTHEST * at))
+
+
 FORMATS: tuple[tuple[str, dict[str, Any], Callable[[float], float], str], ...] = (
     ("D16", {"depth_format": "d16"}, format_of(theory.integers, 16), "q d^2 / near"),
     ("D24", {"depth_format": "d24"}, format_of(theory.integers, 24), "q d^2 / near"),
@@ -72,7 +77,7 @@ PLAIN: tuple[tuple[str, Any, Callable[[float], float], str], ...] = (
         "D32F reversed in [-1, 1]",
         reversed_through_ndc,
         format_of(theory.reversed_through_ndc),
-        "2^-25 d^2/near",
+        "2^-25 d^2 / near",
     ),
     ("log, 16 bits", levels_of_logarithm(16), format_of(theory.logarithmic, 16), "q d ln(far / near)"),
     (
@@ -91,12 +96,37 @@ PLAIN: tuple[tuple[str, Any, Callable[[float], float], str], ...] = (
 )
 """Formats that only the plain buffer has: name, what is stored, resolution, and its formula."""
 
+DRIVEN: tuple[tuple[str, str, Callable[[float], float], str], ...] = (
+    ("opengl", "d24", of_the_driver(theory.integers, 24), "q d^2 / near"),
+    ("opengl D16", "d16", of_the_driver(theory.integers, 16), "q d^2 / near"),
+    (
+        "opengl D32F",
+        "d32f",
+        of_the_driver(theory.float_window),
+        "2^-24 d^2 / near, or 2^-23 d: float32 corners",
+    ),
+    (
+        "opengl D32F reversed",
+        "d32f-reversed",
+        of_the_driver(theory.float_reversed),
+        "2^-23 d at most",
+    ),
+    (
+        "opengl D32F reversed in [-1, 1]",
+        "d32f-reversed-ndc",
+        of_the_driver(theory.reversed_through_ndc),
+        "2^-25 d^2 / near",
+    ),
+)
+"""The formats of the driver: name, depth format, resolution, and its formula."""
+
 CROSSINGS = {
     "D24 no worse than D32F": 2.0 * NEAR,
     "log better than D16": NEAR * math.log(FAR / NEAR),
     "W16, W24 better than D16, D24": math.sqrt(NEAR * FAR),
+    "W24 better than D32F reversed": 0.5 * (FAR - NEAR),
 }
-"""Where resolutions cross: 2 near, near ln(far / near), and the geometric mean of near and far."""
+"""Where resolutions cross: 2 near, near ln(far / near), the mean of near and far on both scales."""
 
 FAMILY = Family(
     name="parallel-pair",
@@ -120,14 +150,14 @@ FAMILY = Family(
     size=lambda *_: (COLUMNS, ROWS),
     figure=resolution,
     figure_name="largest separation that is not resolved",
-    crossings=CROSSINGS,
+    marked=CROSSINGS,
     variants=(
         *(
-            Variant(name, None, because, 4.0, "scanline-direct", options, curve=curve)
+            Variant(name, because=because, method="scanline-direct", options=options, curve=curve)
             for name, options, curve, because in FORMATS
         ),
         *(
-            Variant(name, None, because, 4.0, mistake=Buffer(stored=stored), curve=curve)
+            Variant(name, because=because, mistake=Buffer(stored=stored), curve=curve)
             for name, stored, curve, because in PLAIN
         ),
         Variant("scanline-direct", None, "float64 resolves 2^-53 d^2 / near: less than any pair is apart"),
@@ -137,11 +167,10 @@ FAMILY = Family(
             "2^-52 d: less than any pair is apart",
             mistake=Buffer(stored=distance(np.float64)),
         ),
-        Variant(
-            "opengl",
-            None,
-            "q d^2 / near: D24; float32 window depth before it is as coarse",
-            curve=format_of(theory.integers, 24),
+        *(
+            Variant(name, because=because, method="opengl", options={"depth_format": kept}, curve=curve)
+            for name, kept, curve, because in DRIVEN
         ),
+        Variant("embree", None, "2^-23 d: float32 corners", curve=lambda at: theory.spacing(FARTHEST * at)),
     ),
 )

@@ -56,19 +56,17 @@ FAMILY = Family(
     sweep=powers_of_two(16, -24, 2),
     scene=scene,
     variants=(
-        Variant("raycast-woop-float32", lambda side: lowest(U32, side), "2^-24 r W 10 / 8", 8.0),
+        Variant("raycast-woop-float32", lambda side: lowest(U32, side), "2^-24 r W 10 / 8"),
         Variant(
             "naive float32",
             lambda side: lowest(U32, side),
             "2^-24 r W 10 / 8",
-            8.0,
             mistake=naive_spheres(np.float32),
         ),
         Variant(
             "naive float64",
             lambda side: lowest(U64, side),
             "2^-53 r W 10 / 8",
-            8.0,
             mistake=naive_spheres(np.float64),
         ),
     ),

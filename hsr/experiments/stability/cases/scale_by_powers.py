@@ -38,7 +38,7 @@ FAMILY = Family(
     variants=(
         *(
             Variant(
-                f"raycast-{test}float32", 2.0**42, "2^(128 / 3): a product of three lengths overflows", 2.0**6
+                f"raycast-{test}float32", 2.0 ** (128 / 3), "2^(128/3): a product of three lengths overflows"
             )
             for test in ("", "moller-trumbore-", "woop-")
         ),

@@ -40,8 +40,8 @@ FAMILY = Family(
     sweep=powers_of_two(1, 9),
     scene=scene,
     variants=(
-        Variant("scanline-snap-4", first_wrong(4), "2^(b-1) slats", 8.0),
-        Variant("scanline-snap-8", first_wrong(8), "2^(b-1) slats", 8.0),
-        Variant("opengl", first_wrong(8), "2^(b-1) slats", 8.0),
+        Variant("scanline-snap-4", first_wrong(4), "2^(b-1) slats"),
+        Variant("scanline-snap-8", first_wrong(8), "2^(b-1) slats"),
+        Variant("opengl", first_wrong(8), "2^(b-1) slats"),
     ),
 )

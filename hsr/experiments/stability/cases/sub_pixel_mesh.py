@@ -35,7 +35,7 @@ def first_wrong(bits: int, side: int) -> float:
 
 def snaps(name: str, bits: int) -> Variant:
     """Return a variant that snaps."""
-    return Variant(name, lambda side: first_wrong(bits, side), "0.85 W^2 2^-(b+2) px", 8.0)
+    return Variant(name, lambda side: first_wrong(bits, side), "0.85 W^2 2^-(b+2) px")
 
 
 FAMILY = Family(

@@ -61,6 +61,6 @@ FAMILY = Family(
             "2^-53 k^2 r, at k radii",
             mistake=naive_spheres(np.float64),
         ),
-        Variant("raycast-woop-float32", lambda side: U32 * radius(side), "2^-24 r", 8.0),
+        Variant("raycast-woop-float32", lambda side: U32 * radius(side), "2^-24 r"),
     ),
 )

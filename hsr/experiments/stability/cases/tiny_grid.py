@@ -4,22 +4,33 @@ from __future__ import annotations
 
 from hsr.experiments.stability.building import mesh, powers_of_two, scene_of
 from hsr.experiments.stability.family import Family, Variant
+from hsr.experiments.stability.theory import U32, U64
 from hsr.scene.model import Scene
 
 REACH = 24.1
+SLOPE = 2.0 / 3.0
+"""Not a power of two: a corner whose x and y are rounded alike would stay on the edge."""
 
 
 def scene(zoom: float, side: int) -> Scene:  # noqa: ARG001
-    """Look at the point (1/2, 1/2) of a long edge of slope 1/2 through an ever smaller window."""
+    """Look at the point (1/2, 1/2) of a long edge of slope 2/3 through an ever smaller window."""
     matrix = [
         [zoom, 0.0, 0.0, -0.5 * zoom],
         [0.0, zoom, 0.0, -0.5 * zoom],
         [0.0, 0.0, -1.0, 0.0],
         [0.0, 0.0, 0.0, 1.0],
     ]
-    left, right = [0.5 - REACH, 0.5 - 0.5 * REACH, 0.0], [0.5 + REACH, 0.5 + 0.5 * REACH, 0.0]
+    left, right = ([0.5 + x, 0.5 + SLOPE * x, 0.0] for x in (-REACH, REACH))
     triangle = mesh([left, [REACH, -REACH, 0.0], right], [[0, 1, 2]])
     return scene_of({"type": "matrix", "matrix": matrix}, triangle)
+
+
+def first_wrong(rounding: float, side: int) -> float:
+    """Return the zoom at which rounding a corner moves the edge over the nearest sample.
+
+    Steps are ``2 / (zoom W)``, and y - 2/3 x an odd multiple of a sixth of that at the samples.
+    """
+    return 1.0 / (3.0 * side * REACH * rounding)
 
 
 FAMILY = Family(
@@ -27,7 +38,7 @@ FAMILY = Family(
     group="coverage",
     story=(
         "A window about one point of a long edge is zoomed, until its samples are neighbouring floats. The "
-        "nearest samples lie a quarter of a step from the edge: the sign of the orientation of three points "
+        "nearest samples lie a sixth of a step from the edge: the sign of the orientation of three points "
         "decides, and in floats that is noise as soon as the window is smaller than the rounding of what "
         "lies far outside."
     ),
@@ -40,7 +51,7 @@ FAMILY = Family(
     sweep=powers_of_two(0, 50, 2),
     scene=scene,
     variants=(
-        Variant("scanline-direct", lambda side: 2.0**53 / (REACH * side), "2^53 / (24 W)", 16.0),
-        Variant("opengl", lambda side: 2.0**24 / (REACH * side), "2^24 / (24 W)", 16.0),
+        Variant("scanline-direct", lambda side: first_wrong(U64, side), "2^53 / (72 W)"),
+        Variant("opengl", lambda side: first_wrong(U32, side), "2^24 / (72 W)"),
     ),
 )

@@ -36,6 +36,7 @@ FAMILY = Family(
     scene=scene,
     variants=(
         *in_space(),
-        Variant("raycast-moller-trumbore", lambda side: U64 * side, "2^-53 W px: float64", 8.0),
+        Variant("raycast-moller-trumbore", lambda side: U64 * side, "2^-53 W px: float64"),
+        Variant("opengl", 2.0**-9, "2^-9 px: half the grid of its corners"),
     ),
 )
