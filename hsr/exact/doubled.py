@@ -153,6 +153,7 @@ def split(numbers: Array, scale: Array) -> Floats:
     high = cut.astype(np.float64)
     low = (cut - np.frompyfunc(int, 1, 1)(high)).astype(np.float64)
     error = 1.0 + PRECISION * np.abs(high)
-    parts = np.ldexp(np.stack([high, low, error]), excess - scale[:, None])
+    with np.errstate(over="ignore"):  # what is computed from infinity ends as NaN
+        parts = np.ldexp(np.stack([high, low, error]), excess - scale[:, None])
     parts[2] += TINY
     return np.asarray(parts.transpose(1, 0, 2))
