@@ -13,10 +13,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
-# An idle thread of GNU OpenMP spins before it sleeps, for some 8 ms: enough is what bridges the gap between
-# two launches of one picture. More takes time from others on a busy machine.
+# An idle thread of GNU OpenMP spins for some 8 ms before it sleeps. On a busy machine that takes time from
+# others, even from the threads it waits for, so let it be some 30 us: less than it takes to wake up.
 if "OMP_WAIT_POLICY" not in os.environ:
-    os.environ.setdefault("GOMP_SPINCOUNT", "30000")
+    os.environ.setdefault("GOMP_SPINCOUNT", "1000")
 
 import numba
 import numpy as np
