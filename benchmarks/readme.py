@@ -34,12 +34,16 @@ def measured() -> list[Results]:
 
 
 def section(found: list[Results]) -> str:
-    """Return what stands between the marks: a chart and tables for each run."""
+    """Return what stands between the marks: a chart for each run, its tables, or what is fastest at its ends."""
     parts = []
     for results in found:
-        what = "How times grow" if results.scaling else "Speed against error"
-        parts.append(f"![{what}](benchmarks/results/{results.stem}.svg)\n")
-        parts.append(to_markdown(results))
+        file = f"benchmarks/results/{results.stem}"
+        if results.scaling:
+            fastest = [line for line in to_markdown(results).splitlines() if line.startswith("- At ")]
+            parts += [f"![How times grow]({file}.svg)\n", *fastest, ""]
+            parts += [f"Which method overtakes which, and where: [all that was measured]({file}.md).\n"]
+        else:
+            parts += [f"![Speed against error]({file}.svg)\n", to_markdown(results)]
     return "\n".join([BEGIN, "", *parts, END])
 
 
@@ -77,6 +81,8 @@ def main() -> None:
     README.write_text(between(readme, HARD_BEGIN, HARD_END, hard_cases(matrix)), encoding="utf-8")
     for results in found:
         (RESULTS / f"{results.stem}.svg").write_text(to_svg(results), encoding="utf-8")
+        if results.scaling:
+            (RESULTS / f"{results.stem}.md").write_text(to_markdown(results), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -42,6 +42,8 @@ def test_the_commands_exist_with_their_options() -> None:
         command = words[:2] if words[0] in ("scene", "bench") else words[:1]
         if words[0] == "bench" and words[1] not in ("scaling", "compare"):
             command = ["bench", "run"]
+        if words[0] == "stability":
+            command = ["stability", "run"]
         told = CliRunner().invoke(app, [*command, "--help"], env={"COLUMNS": "200", "NO_COLOR": "1"})
         assert told.exit_code == 0
         for option in (word for word in words if word.startswith("-")):
