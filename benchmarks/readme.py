@@ -34,7 +34,7 @@ def measured() -> list[Results]:
 
 
 def section(found: list[Results]) -> str:
-    """Return what stands between the marks: a chart for each run, its tables, or what is fastest at its ends."""
+    """Return what stands between the marks: charts of the runs, and tables or what is fastest."""
     parts = []
     for results in found:
         file = f"benchmarks/results/{results.stem}"

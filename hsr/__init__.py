@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from hsr.visibility import VisibilityMap as VisibilityMap
     from hsr.visibility import load_map as load_map
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 # Imported on first use: `hsr --help` must not wait for numba or trimesh.
 _HOME = {

@@ -17,8 +17,8 @@ import numpy as np
 from hsr.algorithms.loose import w_at_depth_1
 from hsr.algorithms.resolve import sights_at
 from hsr.arrays import Array, Floats
-from hsr.kernels.curved import CULL_BACK, CULL_FRONT, QUADRIC
-from hsr.kernels.halfspaces import ANYWHERE, SMALL, Eye
+from hsr.kernels.curved import QUADRIC
+from hsr.kernels.halfspaces import ANYWHERE, CULL_BACK, CULL_FRONT, SMALL, Eye
 from hsr.scene.shapes import Kind
 from hsr.viewing import View
 

@@ -287,7 +287,7 @@ def _cast(caster: Caster, room: Room) -> tuple[Array, Array]:
     found, total = [np.empty(0, doubts.DOUBT)], np.zeros(raytiles.COUNTS, np.int64)
     for chosen in batches:
         if kept is not None:
-            chosen = chosen[raytiles.may_show(extent[chosen], caster.eye, kept[1])]
+            chosen = chosen[raytiles.may_show(extent[chosen], _gap(caster), kept[1])]
         laid = _lay_out(caster, members[chosen], extent[chosen], room)
         for noted, counts in _cast_batch(caster, laid, (quadrics, _loose(caster, laid)), kept):
             found.append(noted)
@@ -402,10 +402,15 @@ def _settled(caster: Caster, found: Array, keys: Array) -> Array:
     """Forget doubts that later batches hide, and where some are left, add what the keys show in the end."""
     row, column = np.divmod(found["sample"], caster.view.width)
     shown = keys[row // LINES, column // COLUMNS, row % LINES, column % COLUMNS]
-    left = found["key"] - shown <= doubts.gap_of(doubts.depth_mask(len(caster.world.faces)), caster.eye.tie)
+    left = found["key"] - shown <= _gap(caster)
     last = found[left & (shown != doubts.EMPTY)]
     last["key"], last["sure"] = shown[left & (shown != doubts.EMPTY)], True
     return np.concatenate([found[left], np.unique(last)])
+
+
+def _gap(caster: Caster) -> int:
+    """Return by how much keys differ at most whose depths may be equal."""
+    return doubts.gap_of(doubts.depth_mask(len(caster.world.faces)), caster.eye.tie)
 
 
 def _pieces(world: World, found: Array) -> Array:

@@ -24,13 +24,22 @@ import numpy as np
 
 from hsr.arrays import Array, Floats
 from hsr.jit import jit
-from hsr.kernels.doubts import TRIANGLES, Box, Window, is_hidden, key_of, write
-from hsr.kernels.halfspaces import ANYWHERE, BACK, LANES, Eye, U, key_depth, nearness_error
+from hsr.kernels.doubts import TRIANGLES, Box, Window, is_farther, key_of, write
+from hsr.kernels.halfspaces import (
+    ANYWHERE,
+    BACK,
+    CULL_BACK,
+    CULL_FRONT,
+    LANES,
+    Eye,
+    U,
+    key_depth,
+    nearness_error,
+)
 
 CYLINDER = 4
 """The kind of a cylinder."""
 
-CULL_BACK, CULL_FRONT = 1, 2
 
 QUADRIC = np.dtype(
     [
@@ -278,5 +287,5 @@ def note(thing: Any, keys: Array, window: Window, eye: Eye, doubts: Array, count
                 elif not margin <= -1.0:
                     nearest = min(max(z - error, 1.0), BACK)
                     key = key_of(nearest, window.mask, piece_of(thing, k))
-                    if not is_hidden(key, old, window.gap):
+                    if not is_farther(key, old, window.gap):
                         write(doubts, counts, sample, key, False)

@@ -129,6 +129,12 @@ def gap_of(mask: int, tie: float) -> int:
     return int(tie * 2.0**64) + 2 * int(EMPTY - mask) + 2
 
 
+@jit
+def depth_gap(gap: int) -> float:
+    """Return by how much key depths differ at least if their keys, cut off, differ by more than ``gap``."""
+    return gap * 2.0**-63
+
+
 # ---------------------------------------------------------------- drawing
 
 
@@ -268,7 +274,7 @@ def note(
             key, old = key_of(z, window.mask, number), keys[line - window.line, column - window.column]
             sample = line * window.width + column
             if abs(inner) < bound:
-                if not is_hidden(key, old, gap):
+                if not is_farther(key, old, gap):
                     write(doubts, counts, sample, key, False)
             elif inner >= bound and key != old and abs(old - key) <= gap:
                 write(doubts, counts, sample, key, True)
@@ -289,12 +295,14 @@ def suspect(table: Floats, i: int, keys: Array, window: Window, doubts: Array, c
             right = float(column - left)
             e0, e1, e2 = row[0] + right * row[1], row[2] + right * row[3], row[4] + right * row[5]
             may_cover = min(min(e0, e1), e2) > -bound or max(max(e0, e1), e2) < bound
-            if may_cover and not is_hidden(key, keys[line - window.line, column - window.column], window.gap):
+            if may_cover and not is_farther(
+                key, keys[line - window.line, column - window.column], window.gap
+            ):
                 write(doubts, counts, line * window.width + column, key, False)
 
 
 @jit
-def is_hidden(key: int, old: int, gap: int) -> bool:
+def is_farther(key: int, old: int, gap: int) -> bool:
     """Whether a key is certainly farther than what is there."""
     return bool(key - old > gap)
 
@@ -317,7 +325,7 @@ def settle(keys: Array, window: Window, doubts: Array, counts: Array) -> None:
     for k in range(counts[USED]):
         doubt = doubts[k]
         line, column = divmod(doubt["sample"], window.width)
-        if not is_hidden(doubt["key"], keys[line - window.line, column - window.column], window.gap):
+        if not is_farther(doubt["key"], keys[line - window.line, column - window.column], window.gap):
             left = doubts[kept]
             left["sample"], left["key"], left["sure"] = doubt["sample"], doubt["key"], doubt["sure"]
             kept += 1

@@ -351,7 +351,7 @@ def set_up(table: Floats, count: int, eye: Eye) -> None:
         most_z += slack + 8.0 * U * (1.0 + abs(most_z))
         table[NEAREST + i] = least_z
         table[CUT + i] = 1.0 if (least_z < eye.near) | (most_z > eye.far) else 0.0
-        culled = (table[CULL + i] == (2.0 if area < 0.0 else 1.0)) & (abs(area) > bound)
+        culled = (table[CULL + i] == (CULL_FRONT if area < 0.0 else CULL_BACK)) & (abs(area) > bound)
         shown = (t <= LOOSE) & (least_z <= eye.far) & (most_z >= eye.near) & (left < right)
         table[LEFT + i], table[RIGHT + i], table[TOP + i] = left, right, top
         table[BOTTOM + i] = bottom if shown & ~culled else top

@@ -23,7 +23,7 @@ import numpy as np
 from hsr.arrays import Array, Floats, Ints
 from hsr.jit import jit, parallel_jit, prange
 from hsr.kernels.curved import cast_into_quadric
-from hsr.kernels.doubts import EMPTY, Window, depth_mask, gap_of, settle
+from hsr.kernels.doubts import EMPTY, Window, depth_gap, depth_mask, gap_of, settle
 from hsr.kernels.halfspaces import (
     CLUSTER,
     CULL,
@@ -134,8 +134,8 @@ def reach_objects(box: Floats, rows: Floats, eye: Eye, extent: Floats) -> None:
 
 
 @jit
-def may_show(extent: Floats, eye: Eye, farthest: Floats) -> Array:
-    """Tell of which objects (n,) some cell does not already show something nearer."""
+def may_show(extent: Floats, gap: int, farthest: Floats) -> Array:
+    """Tell of which objects (n,) some cell does not already show something nearer, by more than a key gap."""
     seen = np.zeros(len(extent), np.bool_)
     for k in range(len(extent)):
         left, right, top, bottom = extent[k, 0], extent[k, 1], extent[k, 2], extent[k, 3]
@@ -143,7 +143,7 @@ def may_show(extent: Floats, eye: Eye, farthest: Floats) -> Array:
             for column in range(int(left) // CELL * CELL, int(right), CELL):
                 tile = farthest[line // LINES, column // COLUMNS]
                 cell = tile[line % LINES // CELL, column % COLUMNS // CELL]
-                seen[k] |= not extent[k, 4] - 2.0 * eye.tie > cell
+                seen[k] |= not extent[k, 4] - depth_gap(gap) > cell
     return seen
 
 
@@ -312,7 +312,7 @@ def cast_tile(
     for m in listed:
         counts[EXTENTS] += 1
         cells = cells_of(extent[m, 0], extent[m, 1], extent[m, 2], extent[m, 3], keys, window)
-        if is_hidden(extent[m, 4] - 2.0 * eye.tie, cells, keys, farthest, stale):
+        if is_hidden(extent[m, 4] - depth_gap(window.gap), cells, keys, farthest, stale):
             continue
         if members[m]["quadric"] == NO_QUADRIC:
             cast_into_mesh(shapes, laid, members[m], keys, window, eye, farthest, stale, doubts, counts)
@@ -361,7 +361,7 @@ def cast_into_mesh(
         counts[NODES] += 1
         here = to_extent + k
         cells = cells_of(extent[here, 0], extent[here, 1], extent[here, 2], extent[here, 3], keys, window)
-        if is_hidden(extent[here, 4] - 2.0 * eye.tie, cells, keys, farthest, stale):
+        if is_hidden(extent[here, 4] - depth_gap(window.gap), cells, keys, farthest, stale):
             continue
         first, count = tree[root + k, 0], tree[root + k, 1]
         if count == INNER:

@@ -18,6 +18,7 @@ from hsr.kernels.doubts import (
     EMPTY,
     TRIANGLES,
     Window,
+    depth_gap,
     depth_mask,
     depth_of,
     fill,
@@ -231,7 +232,7 @@ def draw_tile(
     # Draw the clusters, nearest first, but for the hidden ones.
     for m in listed:
         cells = cells_of(extent[m, 0], extent[m, 1], extent[m, 2], extent[m, 3], keys, window)
-        if is_hidden(extent[m, 4] - 2.0 * eye.tie, cells, keys, farthest, stale):
+        if is_hidden(extent[m, 4] - depth_gap(window.gap), cells, keys, farthest, stale):
             counts[HIDDEN] += 1
             continue
         counts[DRAWN] += 1
@@ -294,7 +295,7 @@ def draw_table(
         cells = cells_of(table[LEFT + i], table[RIGHT + i], table[TOP + i], table[BOTTOM + i], keys, window)
         if cells[0] >= cells[1] or cells[2] >= cells[3]:
             continue
-        if is_behind(table[NEAREST + i] - 2.0 * eye.tie, cells, farthest):
+        if is_behind(table[NEAREST + i] - depth_gap(window.gap), cells, farthest):
             continue
         counts[TRIANGLES] += 1
         if not is_certain(table, i, eye) and doubts is not None:

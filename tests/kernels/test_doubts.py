@@ -132,3 +132,13 @@ def test_what_keys_cannot_tell_from_infinity_is_shown_as_the_farthest(triangles:
     faces, face, depth = np.arange(8, dtype=np.int32), np.zeros((4, 5), np.int32), np.zeros((4, 5))
     d.read_out(keys, WINDOW._replace(mask=mask), (0, 4, 0, 5), faces, seen, face, depth)
     assert (face == 3).all() and (depth == 1e20).all()
+
+
+@pytest.mark.parametrize("triangles", [1, 2**20, 2**31 - 2])
+def test_the_gap_of_depths_covers_what_keys_cut_off(triangles: int) -> None:
+    """However many bits tell the triangles apart."""
+    mask, tie = d.depth_mask(triangles), 2.0**-36
+    gap = d.depth_gap(d.gap_of(mask, tie))
+    for z in np.random.default_rng(5).uniform(1.2, 1.8, 200):
+        cut = z - d.depth_of(d.key_of(z, mask, 0))
+        assert cut >= 0.0 and 2.0 * tie + cut < gap < 2.0 * tie + 2.0**-20
