@@ -11,7 +11,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from hsr.experiments.publish import to_markdown, to_svg
+from hsr.experiments.publish import case_markdown, conditions, to_markdown, to_svg
 from hsr.experiments.results import Results, load_results
 from hsr.experiments.stability.summary import headline, markdown
 
@@ -22,6 +22,11 @@ MATRIX = ROOT / "reports" / "stability" / "matrix.json"
 
 BEGIN = "<!-- measured: written by benchmarks/readme.py -->"
 END = "<!-- end of what is measured -->"
+
+RATIOS = (
+    "How many times faster than the peer, medians of the stage `render` in the same run, and of `build` and "
+    "`render` together (*with hierarchies*); last, by how much certification slows the same kernel down."
+)
 
 HARD_BEGIN = "<!-- hard cases: written by benchmarks/readme.py -->"
 HARD_END = "<!-- end of hard cases -->"
@@ -43,8 +48,48 @@ def section(found: list[Results]) -> str:
             parts += [f"![How times grow]({file}.svg)\n", *fastest, ""]
             parts += [f"Which method overtakes which, and where: [all that was measured]({file}.md).\n"]
         else:
-            parts += [f"![Speed against error]({file}.svg)\n", to_markdown(results)]
+            parts += [f"![Speed against error]({file}.svg)\n", conditions(results), "", *ratios(results)]
+            parts += ["", case_markdown(next(iter(results.cases.values())))]
+            parts += ["", f"The other scenes: [all tables]({file}.md).\n"]
     return "\n".join([BEGIN, "", *parts, END])
+
+
+def ratios(results: Results) -> list[str]:
+    """Return the lines of a table: how many times faster than its peer a certified method is on each case."""
+    names = (
+        "zbuffer : opengl",
+        "scanline : opengl",
+        "raycast : embree-packets",
+        "with hierarchies",
+        "certified zbuffer",
+        "certified raycast",
+    )
+    lines = [f"| scene | culled | {' | '.join(names)} |", f"|---|---|{'---:|' * len(names)}"]
+    for rows in results.cases.values():
+        took = {row.method: row.times for row in rows if not row.absent}
+        cells = [
+            _times(took, "opengl", "zbuffer"),
+            _times(took, "opengl", "scanline"),
+            _times(took, "embree-packets", "raycast"),
+            _times(took, "embree-packets", "raycast", ("build", "render")),
+            _cost(took, "zbuffer"),
+            _cost(took, "raycast"),
+        ]
+        lines.append(f"| {rows[0].scene} | {rows[0].cull} | {' | '.join(cells)} |")
+    return [*lines, "", RATIOS]
+
+
+def _times(took: dict[str, Any], peer: str, ours: str, stages: tuple[str, ...] = ("render",)) -> str:
+    if not {peer, ours} <= took.keys():
+        return "absent"
+    spent = [sum(took[method][stage].median for stage in stages) for method in (peer, ours)]
+    return f"{spent[0] / spent[1]:.1f}"
+
+
+def _cost(took: dict[str, Any], method: str) -> str:
+    if not {method, f"{method}-plain"} <= took.keys():
+        return "absent"
+    return f"+{took[method]['render'].median / took[f'{method}-plain']['render'].median - 1.0:.0%}"
 
 
 def hard_cases(matrix: dict[str, Any]) -> str:
@@ -81,8 +126,7 @@ def main() -> None:
     README.write_text(between(readme, HARD_BEGIN, HARD_END, hard_cases(matrix)), encoding="utf-8")
     for results in found:
         (RESULTS / f"{results.stem}.svg").write_text(to_svg(results), encoding="utf-8")
-        if results.scaling:
-            (RESULTS / f"{results.stem}.md").write_text(to_markdown(results), encoding="utf-8")
+        (RESULTS / f"{results.stem}.md").write_text(to_markdown(results), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -137,11 +137,13 @@ def to_markdown(results: Results) -> str:
     """Return the tables of all cases, or of how times grow, with a line on the machine, as Markdown."""
     if results.scaling:
         return _growth_markdown(results)
+    return "\n\n".join([conditions(results), *map(case_markdown, results.cases.values())]) + "\n"
+
+
+def case_markdown(rows: Sequence[Row]) -> str:
+    """Return the title and the table of one case as Markdown."""
     right = ("rank", *(metric.title for metric in TABLE))
-    parts = [conditions(results)]
-    for rows in results.cases.values():
-        parts += [f"**{case_title(rows)}**", as_markdown(HEAD, table(rows), right)]
-    return "\n\n".join(parts) + "\n"
+    return f"**{case_title(rows)}**\n\n{as_markdown(HEAD, table(rows), right)}"
 
 
 def _growth_markdown(results: Results) -> str:
