@@ -15,7 +15,8 @@ import hsr
 from hsr.algorithms import tiles
 from hsr.errors import ViewError
 from hsr.exact.oracle import truth
-from hsr.kernels.halfspaces import LANES
+from hsr.kernels.halfspaces import LANES, TIE
+from hsr.kernels.projection import clip_rows
 from hsr.kernels.tiles import COLUMNS, LINES
 from hsr.viewing import View, view
 from hsr.visibility import VisibilityMap
@@ -175,6 +176,22 @@ def test_extreme_views_are_right_at_every_sample() -> None:
 def test_scenes_are_right_at_every_sample(name: str, scenes: Any) -> None:
     seen = hsr.view(hsr.load(scenes / f"{name}.toml"), (80, 64))
     assert np.array_equal(rendered(seen).face, hsr.render(seen.tessellated(), "exact").face)
+
+
+@pytest.mark.jit
+@pytest.mark.parametrize("method", ["zbuffer", "raycast"])
+@pytest.mark.parametrize("name", ["teapot", "terrain", "torus-knot", "engineering"])
+def test_depths_are_as_exact_as_stated(name: str, method: str, scenes: Any) -> None:
+    """Within 2^-35 of the range of what is seen: in a parallel view of depths, else of their inverses."""
+    for camera in hsr.load(scenes / f"{name}.toml").camera:
+        seen = hsr.view(hsr.load(scenes / f"{name}.toml"), (96, 80), camera.name).tessellated()
+        eye = tiles.eye_of(seen, tiles.mesh_of(seen), clip_rows(seen.clip_from_world, seen.depth_row))
+        assert eye.tie == TIE
+        answer, exact = hsr.render(seen, method), truth(seen)
+        shown = exact.face >= 0
+        near, true = answer.depth[shown], exact.depth[shown]
+        off = 1.0 / near - 1.0 / true if seen.perspective else near - true
+        assert np.abs(off).max() <= 2.0**-35 * (eye.front - eye.back)
 
 
 def test_more_doubts_than_room_are_all_decided(monkeypatch: pytest.MonkeyPatch, scenes: Any) -> None:
