@@ -50,7 +50,7 @@ from hsr.kernels.halfspaces import (
     set_up,
 )
 
-LINES, COLUMNS = 64, 512
+LINES, COLUMNS = 128, 512
 """Size in samples of a tile, the piece of work of one thread. Its keys stay in the cache of a core, and a
 line of its depths is a page of memory: narrow tiles took three times as long to read out."""
 
