@@ -44,6 +44,7 @@ FAMILY = Family(
     ),
     parameter="grid of the corners, in pixels",
     sweep=powers_of_two(0, -38, 2),
+    continuous=False,
     scene=scene,
     wrong=another_choice,
     figure_name="samples with another choice",

@@ -40,9 +40,14 @@ FAMILY = Family(
     source="The OpenGL Graphics System, 3.6.1: polygons that share an edge produce each fragment once",
     parameter="number of spokes",
     sweep=powers_of_two(2, 13),
+    continuous=False,
     scene=scene,
     variants=(
-        Variant("scanline-snap-4", lambda side: max(4.0, first_wrong(4, side)), "2^(b+3) / W spokes"),
+        Variant(
+            "scanline-snap-4",
+            lambda side: max(4.0, first_wrong(4, side)),
+            "2^(b+3) / W spokes, but no fewer than the sweep has",
+        ),
         Variant("scanline-snap-8", lambda side: first_wrong(8, side), "2^(b+3) / W spokes"),
         Variant("opengl", lambda side: first_wrong(8, side), "2^(b+3) / W spokes"),
         Variant("scanline-direct", lambda side: first_wrong(50, side), "2^(b+3) / W, with b = 50"),

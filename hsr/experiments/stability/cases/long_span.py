@@ -51,6 +51,7 @@ FAMILY = Family(
     source="D. Hearn, M. P. Baker, Computer Graphics, depth-buffer method: z' = z - A/C",
     parameter="length of the spans, in samples",
     sweep=powers_of_two(3, 14),
+    continuous=False,
     scene=scene,
     size=lambda length, _: (int(length), ROWS),
     variants=(

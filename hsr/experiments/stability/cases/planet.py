@@ -53,7 +53,7 @@ FAMILY = Family(
         "(Ray Tracing Gems, 2019)"
     ),
     parameter="height above the ground, in metres",
-    sweep=powers_of_two(16, -24, 2),
+    sweep=powers_of_two(16, -28, 2),
     scene=scene,
     variants=(
         Variant("raycast-woop-float32", lambda side: lowest(U32, side), "2^-24 r W 10 / 8"),

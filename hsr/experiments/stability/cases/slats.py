@@ -38,6 +38,7 @@ FAMILY = Family(
     source="M. McKenna, Worst-Case Optimal Hidden-Surface Removal (ACM Transactions on Graphics 6, 1987)",
     parameter="number of slats each way",
     sweep=powers_of_two(1, 9),
+    continuous=False,
     scene=scene,
     variants=(
         Variant("scanline-snap-4", first_wrong(4), "2^(b-1) slats"),
