@@ -51,11 +51,11 @@ def reversed_through_ndc(d: float, near: float, far: float) -> float:
 
     Two roundings: ``2 w - 1`` moves by half its spacing at most, so of the difference of two of them all but
     one spacing is left, of that of their halves all but half a spacing. What is left must exceed the spacing
-    of w, as which the sum with 1/2 is rounded: together ``spacing(w) + spacing(|2 w - 1|) / 2``. Far away
-    that is ``2**-25``, near the eye three times the spacing of w.
+    of w, as which the sum with 1/2 is rounded: together ``spacing(w) + spacing(|2 w - 1|) / 2``. Up to
+    w = 1/4 the sum is exact (P. Sterbenz, *Floating-Point Computation*, 1974), and ``2**-25`` is all.
     """
     w = 1.0 - window(d, near, far)
-    step = spacing(w) + 0.5 * spacing(abs(2.0 * w - 1.0))
+    step = 0.5 * spacing(abs(2.0 * w - 1.0)) + (spacing(w) if w > 0.25 else 0.0)
     return step * d * d * (1.0 / near - 1.0 / far)
 
 
