@@ -179,7 +179,7 @@ FAMILY = Family(
             Variant(
                 name,
                 because=because,
-                factor=4.0,  # its own rounding seldom does its worst where that of the format does
+                factor=LESS,
                 method="opengl",
                 options={"depth_format": kept},
                 curve=curve,
