@@ -81,7 +81,8 @@ def test_the_matrix_has_the_theory_of_today() -> None:
             at, side = row["at"], entry["side"]
             predicted = variant.break_at(side) if variant.curve is None else variant.curve(at)
             assert row["because"] == variant.because
-            assert row["predicted"] == pytest.approx(predicted, rel=1e-12)
+            close = predicted if predicted is None else pytest.approx(predicted, rel=1e-12)
+            assert row["predicted"] == close
 
 
 def test_the_section_is_written_between_its_marks() -> None:
