@@ -35,16 +35,12 @@ def run(
         Path | None, typer.Option("--output", "-o", help="Folder for a page, charts and figures.")
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Small pictures, short sweeps: a minute.")] = False,
-    as_markdown: Annotated[
-        bool, typer.Option("--markdown", help="Print the ten rows that teach most.")
-    ] = False,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
     """Judge methods on families of hard cases; exit 1 if any row contradicts its theory."""
     from hsr.experiments.stability.family import families, family_named
     from hsr.experiments.stability.judge import contradictions, judge
-    from hsr.experiments.stability.summary import markdown, matrix
 
     chosen = [family_named(name) for name in dict.fromkeys(family or families())]
     asked = {this.name: [name for name in method or () if this.knows(name)] for this in chosen}
@@ -62,8 +58,6 @@ def run(
         write_folder(results, output)
     if as_json:
         print_json({"hsr": 1, "families": [result.to_json() for result in results]})
-    elif as_markdown:
-        print(markdown(matrix(results)["families"]))
     else:
         _print_matrix(results)
         if output is not None:
@@ -75,7 +69,7 @@ def run(
 def _print_matrix(results: list[Result]) -> None:
     from hsr.experiments.stability.summary import HEADINGS, cells, headline, matrix
 
-    table = new_table(*HEADINGS, right=("wrong", "unexplained", "predicted", "measured"))
+    table = new_table(*HEADINGS, right=("wrong", "unexplained of traced", "predicted", "measured"))
     for result in results:
         table.add_row(result.family.name)
         for row in result.rows:

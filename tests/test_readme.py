@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from hsr.cli import app
 from hsr.errors import UnavailableError
+from hsr.experiments.stability.family import families, family_named
 from tests.experiments.made_up import results, row
 
 ROOT = Path(__file__).parent.parent
@@ -67,6 +68,21 @@ def test_the_hard_cases_are_those_of_the_matrix() -> None:
     assert script["between"](README, script["HARD_BEGIN"], script["HARD_END"], fresh) == README
     assert fresh.count("\n| ") == 11 and (script["MATRIX"].parent / "parallel-pair.svg").exists()
     assert "certified methods: 0 wrong samples" in fresh
+
+
+def test_the_matrix_has_the_theory_of_today() -> None:
+    script = runpy.run_path(str(ROOT / "benchmarks" / "readme.py"))
+    matrix = json.loads(script["MATRIX"].read_text(encoding="utf-8"))
+    assert [entry["family"] for entry in matrix["families"]] == list(families())
+    for entry in matrix["families"]:
+        rows = {row["variant"]: row for row in entry["rows"]}
+        for variant in family_named(entry["family"]).contenders():
+            row = rows[variant.name]
+            at, side = row["at"], entry["side"]
+            predicted = variant.break_at(side) if variant.curve is None else variant.curve(at)
+            assert row["because"] == variant.because
+            close = predicted if predicted is None else pytest.approx(predicted, rel=1e-12)
+            assert row["predicted"] == close
 
 
 def test_the_section_is_written_between_its_marks() -> None:

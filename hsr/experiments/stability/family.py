@@ -53,23 +53,34 @@ class Variant:
         In place of the method's own.
     mistake : callable, optional
         What runs in place of a method.
+    safe : float, callable or None
+        A value, or a function of the side, at which and before which theory proves that no sample is wrong;
+        by default ``breaks``, within the factor.
     curve : callable, optional
-        In a family with a figure of its own, the figure that theory expects at a value of the parameter;
-        in place of ``breaks``.
+        In a family with a figure of its own, the most that theory allows at a value of the parameter; in
+        place of ``breaks``. What is measured may be less by the factor.
+    excess : float
+        By how much what is measured may be more than the curve.
     """
 
     name: str
     breaks: float | Callable[[int], float] | None = None
     because: str = ""
-    factor: float = 4.0
+    factor: float = 2.0
     method: str = ""
     options: Mapping[str, Any] = field(default_factory=dict)
     mistake: Mistake | None = None
+    safe: float | Callable[[int], float] | None = None
     curve: Callable[[float], float] | None = None
+    excess: float = 1.0
 
     def break_at(self, side: int) -> float | None:
         """Return the expected break for pictures of this side, None if there is none."""
         return self.breaks(side) if callable(self.breaks) else self.breaks
+
+    def safe_at(self, side: int) -> float | None:
+        """Return the value that is proven to be safe for pictures of this side, None if none is."""
+        return self.safe(side) if callable(self.safe) else self.safe
 
     @property
     def curved(self) -> bool:
@@ -155,6 +166,8 @@ class Family:
     figure, figure_name
         If given, a function from a case and its wrong samples to what is measured in place of their
         number, and the name of that. It is 0 where nothing is wrong.
+    continuous : bool
+        Whether values between those of the sweep make scenes as well; counts and exact grids do not.
     marked : mapping
         Values of the parameter that the chart marks, by what they are: where theories cross, say.
     """
@@ -172,6 +185,7 @@ class Family:
     wrong: Callable[[Case], Bools] = not_admissible
     figure: Callable[[Case, Bools], float] | None = None
     figure_name: str = "wrong samples"
+    continuous: bool = True
     marked: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -193,11 +207,14 @@ class Family:
         Raises
         ------
         HsrError
-            If the value lies outside the sweep.
+            If the value lies outside the sweep, or between its values and that means nothing.
         """
         low, high = sorted((self.sweep[0], self.sweep[-1]))
         if not low <= value <= high:
             raise HsrError(f"{self.name}: --at {value:g} is outside the sweep, {low:g} to {high:g}")
+        if not self.continuous and value not in self.sweep:
+            there = ", ".join(f"{one:g}" for one in self.sweep)
+            raise HsrError(f"{self.name}: --at {value:g} is not in the sweep; choose one of {there}")
         width, height = self.size(value, side)
         about = f"{self.parameter}: {value!r}; to be seen at {width}x{height} samples. {self.expected}"
         return self.scene(value, side).model_copy(update={"title": self.name, "about": about})

@@ -22,6 +22,9 @@ from hsr.visibility import VisibilityMap
 TRACED, QUICK_TRACED = 64, 8
 """At most so many wrong samples of a picture are put down to a cause, evenly spread: models are slow."""
 
+HALVINGS = 6
+"""So often the gap in which a variant breaks is halved: one of 4 to 1 shrinks to 2 percent."""
+
 PLANTED = "planted mistake"
 """The cause of all that a mistake gets wrong."""
 
@@ -37,10 +40,11 @@ class Verdict(StrEnum):
     EARLY = "breaks early"
     THEORY_WRONG = "theory wrong"
     NO_THEORY = "breaks, no theory"
+    REFUSED = "refused every view"
 
 
 FINE = (Verdict.HOLDS, Verdict.AS_PREDICTED, Verdict.NO_THEORY)
-"""The verdicts that contradict nothing."""
+"""The verdicts that contradict nothing. Who refuses every view has shown nothing."""
 
 
 @dataclass(frozen=True)
@@ -80,11 +84,14 @@ class Row:
     points : tuple of Point
         From easy to hard.
     predicted, measured : float or None
-        The value of the parameter from which on samples are wrong; None: nowhere in the sweep. Of a variant
+        The value of the parameter from which on samples are wrong; None: nowhere in the sweep. It is
+        measured by bisection, unless the run is quick or the family knows no values between. Of a variant
         with a curve, the figure where the two differ most.
     curve : tuple of float
         The figure that theory expects at every point, if the family has one of its own.
     verdict : Verdict
+    at : float or None
+        Of a variant with a curve, the value of the parameter where the two figures differ most.
     """
 
     variant: str
@@ -94,6 +101,7 @@ class Row:
     measured: float | None
     curve: tuple[float, ...]
     verdict: Verdict
+    at: float | None = None
 
     @property
     def wrong(self) -> int:
@@ -101,8 +109,13 @@ class Row:
         return sum(point.wrong for point in self.points)
 
     @property
+    def traced(self) -> int:
+        """Number of wrong samples that were put to the models of the method."""
+        return sum(count for cause, count in self.causes.items() if cause != PLANTED)
+
+    @property
     def unexplained(self) -> int:
-        """Number of wrong samples that no model of the method explains."""
+        """Number of those traced that no model of the method explains."""
         return self.causes.get(Cause.UNEXPLAINED.label, 0)
 
     @property
@@ -116,8 +129,8 @@ class Row:
 
     def to_json(self) -> dict[str, Any]:
         """Return the row as JSON values."""
-        totals = {"wrong": self.wrong, "causes": self.causes, "unexplained": self.unexplained}
-        return asdict(self) | totals
+        totals = {"wrong": self.wrong, "causes": self.causes}
+        return asdict(self) | totals | {"traced": self.traced, "unexplained": self.unexplained}
 
 
 @dataclass(frozen=True)
@@ -179,6 +192,8 @@ def judge(
     ------
     MethodError
         If a name that was asked for is unknown.
+    UnavailableError
+        If this machine lacks what one that was asked for needs; others are skipped.
     """
     side, values = (QUICK_SIDE if quick else SIDE), family.values(quick)
     variants = family.contenders(tuple(asked), quick)
@@ -194,13 +209,15 @@ def judge(
             try:
                 point, driver = _judged(problem, variant, QUICK_TRACED if quick else TRACED)
             except UnavailableError as error:
+                if asked:
+                    raise
                 skipped[variant.name] = str(error)
                 continue
             points[variant.name].append(point)
             if driver:
                 drivers[variant.name] = driver
     rows = tuple(
-        _row(family, side, variant, points[variant.name])
+        _row(family, side, variant, points[variant.name], family.continuous and not quick)
         for variant in variants
         if variant.name not in skipped
     )
@@ -259,29 +276,46 @@ def _causes(case: Case, wrong: Bools, traced: int) -> dict[str, int]:
 # ---------------------------------------------------------------- theory against measurement
 
 
-def _row(family: Family, side: int, variant: Variant, points: Sequence[Point]) -> Row:
+def _row(family: Family, side: int, variant: Variant, points: Sequence[Point], sharp: bool) -> Row:
     if variant.curve is not None:
         return _row_of_curve(variant, points)
-    predicted = variant.break_at(side)
+    if all(point.refused for point in points):
+        return Row(variant.name, variant.because, tuple(points), None, None, (), Verdict.REFUSED)
+    predicted, values = variant.break_at(side), [point.value for point in points]
     measured = next((point.value for point in points if point.wrong), None)
-    verdict = _verdict(family.ascending, [point.value for point in points], variant, predicted, measured)
+    if sharp and variant.because and measured not in (None, values[0]):
+        k = values.index(measured)
+        right, measured = _bisected(family, side, variant, values[k - 1], measured)
+        values.insert(k, right)
+    verdict = _verdict(family, side, variant, values, measured)
     return Row(variant.name, variant.because, tuple(points), predicted, measured, (), verdict)
 
 
+def _bisected(family: Family, side: int, variant: Variant, right: float, wrong: float) -> tuple[float, float]:
+    """Return a right and a wrong value between these two, so near each other that the break is sharp."""
+    for _ in range(HALVINGS if right * wrong > 0.0 else 0):  # there is no geometric mean with 0
+        middle = math.copysign(math.sqrt(right * wrong), wrong)
+        point, _ = _judged(_Problem(family, middle, side), variant, 1)
+        right, wrong = (right, middle) if point.wrong else (middle, wrong)
+    return right, wrong
+
+
 def _verdict(
-    ascending: bool,
-    values: Sequence[float],
-    variant: Variant,
-    predicted: float | None,
-    measured: float | None,
+    family: Family, side: int, variant: Variant, values: Sequence[float], measured: float | None
 ) -> Verdict:
-    """Judge a break: none before ``predicted`` within the factor, and one by the first value beyond it."""
+    """Judge a break: none before the predicted one within the factor, and one by the first value beyond it.
+
+    Exactly at the predicted value over the factor is not too early; at the safe value it is.
+    """
+    predicted, safe = variant.break_at(side), variant.safe_at(side)
     if not variant.because:
         return Verdict.HOLDS if measured is None else Verdict.NO_THEORY
     if predicted is None:
         return Verdict.HOLDS if measured is None else Verdict.EARLY
-    ease = variant.factor if ascending else 1.0 / variant.factor
-    sign = 1.0 if ascending else -1.0
+    ease = variant.factor if family.ascending else 1.0 / variant.factor
+    sign = 1.0 if family.ascending else -1.0
+    if measured is not None and safe is not None and sign * measured <= sign * safe:
+        return Verdict.EARLY
     if measured is not None and sign * measured < sign * predicted / ease:
         return Verdict.EARLY
     due = next((value for value in values if sign * value >= sign * predicted * ease), None)
@@ -292,18 +326,17 @@ def _verdict(
 
 
 def _row_of_curve(variant: Variant, points: Sequence[Point]) -> Row:
-    """Judge a figure at every point; it is 0 where the method is never wrong."""
+    """Judge a figure at every point, 0 where the method is never wrong: the curve bounds it."""
     assert variant.curve is not None
     curve = tuple(variant.curve(point.value) for point in points)
     ratios = [point.figure / theory for point, theory in zip(points, curve, strict=True)]
     worst = max(range(len(points)), key=lambda k: abs(math.log(ratios[k])) if ratios[k] else math.inf)
-    if max(ratios) > variant.factor:
+    if max(ratios) > variant.excess:
         verdict = Verdict.EARLY
     else:
         verdict = Verdict.AS_PREDICTED if min(ratios) >= 1.0 / variant.factor else Verdict.THEORY_WRONG
-    return Row(
-        variant.name, variant.because, tuple(points), curve[worst], points[worst].figure, curve, verdict
-    )
+    predicted, measured, at = curve[worst], points[worst].figure, points[worst].value
+    return Row(variant.name, variant.because, tuple(points), predicted, measured, curve, verdict, at)
 
 
 # ---------------------------------------------------------------- over all families

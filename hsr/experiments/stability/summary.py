@@ -24,14 +24,15 @@ INSTRUCTIVE = (
 )
 """The family and the variant of the ten rows that teach most."""
 
-HEADINGS = ("variant", "wrong", "mostly by", "unexplained", "predicted", "measured", "verdict")
+HEADINGS = ("variant", "wrong", "mostly by", "unexplained of traced", "predicted", "measured", "verdict")
 
 
 def cells(row: Row) -> tuple[str, ...]:
     """Return what stands under ``HEADINGS``."""
     mostly = max(row.causes, key=lambda cause: row.causes[cause], default="")
     broken = (number(row.predicted), number(row.measured))
-    return (row.variant, f"{row.wrong:,}", mostly, f"{row.unexplained:,}", *broken, str(row.verdict))
+    unexplained = f"{row.unexplained:,} of {row.traced:,}"
+    return (row.variant, f"{row.wrong:,}", mostly, unexplained, *broken, str(row.verdict))
 
 
 def number(value: float | None) -> str:
@@ -47,6 +48,9 @@ def number(value: float | None) -> str:
 def headline(families: Sequence[Mapping[str, Any]]) -> str:
     """Sum up in one sentence: rows, verdicts, what certified methods got wrong, what is unexplained.
 
+    Of many wrong samples in a picture only some are traced to a cause: the unexplained are counted among
+    those.
+
     Parameters
     ----------
     families : sequence of mapping
@@ -58,11 +62,12 @@ def headline(families: Sequence[Mapping[str, Any]]) -> str:
     unexplained: Counter[str] = Counter()
     for row in rows:
         unexplained[row["variant"]] += row["unexplained"]
+    traced = sum(row["traced"] for row in rows)
     whose = ", ".join(f"{name} {count}" for name, count in unexplained.items() if count)
     return (
         f"{len(families)} {'family' if len(families) == 1 else 'families'}, {len(rows)} rows: "
         f"{', '.join(counts)}; certified methods: {certified} wrong samples; "
-        f"{unexplained.total()} unexplained{f' ({whose})' if whose else ''}"
+        f"{unexplained.total()} unexplained of {traced:,} traced{f' ({whose})' if whose else ''}"
     )
 
 
@@ -89,11 +94,18 @@ def markdown(families: Sequence[Mapping[str, Any]]) -> str:
     found = {
         (family["family"], row["variant"]): (family, row) for family in families for row in family["rows"]
     }
-    table = ["| hard case | what is swept | variant | theory | predicted | measured | certified, wrong |"]
+    table = ["| hard case | variant | what is measured | theory | predicted | measured | certified, wrong |"]
     table.append("|---|---|---|---|---:|---:|---:|")
     for family, row in (found[key] for key in INSTRUCTIVE if key in found):
         certified = sum(other["wrong"] for other in family["rows"] if other["variant"] in CERTIFIED)
         broken = (number(row["predicted"]), number(row["measured"]), str(certified))
-        facts = (family["family"], family["parameter"], row["variant"], f"`{row['because']}`", *broken)
+        facts = (family["family"], row["variant"], _figure(family, row), f"`{row['because']}`", *broken)
         table.append(f"| {' | '.join(facts)} |")
     return "\n".join(table)
+
+
+def _figure(family: Mapping[str, Any], row: Mapping[str, Any]) -> str:
+    """Say what the predicted and the measured figure of a row are."""
+    if row["at"] is None:
+        return f"first wrong face: {family['parameter']}"
+    return f"{family['figure']} ({family['parameter']}: {number(row['at'])})"

@@ -47,12 +47,16 @@ def float_reversed(d: float, near: float, far: float, mantissa: int = 23, least:
 
 
 def reversed_through_ndc(d: float, near: float, far: float) -> float:
-    """Resolve reversed depth that went through [-1, 1]: float32 near -1 or 1 has a spacing of ``2**-24``.
+    """Resolve reversed depth w that went through [-1, 1] as float32, and is kept as float32.
 
-    Far away normalised depth is within ``2**-24`` of an end of [-1, 1], and halving it leaves
-    ``2**-25`` of window depth.
+    Two roundings: ``2 w - 1`` moves by half its spacing at most, so of the difference of two of them all but
+    one spacing is left, of that of their halves all but half a spacing. What is left must exceed the spacing
+    of w, as which the sum with 1/2 is rounded: together ``spacing(w) + spacing(|2 w - 1|) / 2``. Up to
+    w = 1/4 the sum is exact (P. Sterbenz, *Floating-Point Computation*, 1974), and ``2**-25`` is all.
     """
-    return 2.0**-25 * d * d * (1.0 / near - 1.0 / far)
+    w = 1.0 - window(d, near, far)
+    step = 0.5 * spacing(abs(2.0 * w - 1.0)) + (spacing(w) if w > 0.25 else 0.0)
+    return step * d * d * (1.0 / near - 1.0 / far)
 
 
 def linear(bits: int, _: float, near: float, far: float) -> float:

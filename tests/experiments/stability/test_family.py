@@ -94,6 +94,12 @@ def test_values_outside_the_sweep_are_refused(value: float) -> None:
         family_named("fan").scene_at(value, 32)
 
 
+@pytest.mark.parametrize(("name", "value"), [("relations", 2.5), ("t-junction", 0.2), ("fan", 12.0)])
+def test_values_between_that_mean_nothing_are_refused(name: str, value: float) -> None:
+    with pytest.raises(HsrError, match=rf"{name}: --at {value:g} is not in the sweep; choose one of "):
+        family_named(name).scene_at(value, 32)
+
+
 def test_a_break_may_depend_on_the_side() -> None:
     variant = Variant("zbuffer", lambda side: 2.0 * side, "2 W")
     assert variant.break_at(32) == 64.0 and replace(variant, breaks=3.0).break_at(32) == 3.0

@@ -10,8 +10,9 @@ import pytest
 
 from hsr.errors import MethodError
 from hsr.experiments.stability.building import parallel, scene_of, wall
-from hsr.experiments.stability.family import Family, Variant
-from hsr.experiments.stability.judge import PLANTED, Result, Verdict, contradictions, judge
+from hsr.experiments.stability.family import Family, Variant, family_named
+from hsr.experiments.stability.judge import FINE, PLANTED, Result, Verdict, contradictions, judge
+from hsr.experiments.stability.mistakes import Buffer, levels_of_reversed
 from hsr.scene.model import Scene
 from hsr.viewing import View
 
@@ -56,17 +57,33 @@ def verdict(
         (4.0, 1.0, Verdict.EARLY),
         (4.0, 16.0, Verdict.THEORY_WRONG),
         (4.0, 99.0, Verdict.THEORY_WRONG),
-        (2.5, 8.0, Verdict.AS_PREDICTED),
-        (2.4, 16.0, Verdict.THEORY_WRONG),
+        (2.5, 5.0, Verdict.AS_PREDICTED),
+        (2.5, 8.0, Verdict.THEORY_WRONG),
     ],
 )
 def test_verdicts(expected: float | None, measured: float, told: Verdict) -> None:
     assert verdict(expected, measured) == told
 
 
-def test_a_break_that_must_come_at_the_next_value() -> None:
+def test_a_break_is_narrowed_down_to_two_percent() -> None:
+    (row,) = judge(family(breaks_from(5.0)), asked=("planted",)).rows
+    assert 5.0 <= row.measured <= 1.02 * 5.0 and [point.value for point in row.points] == [1, 2, 4, 8, 16]
+
+
+def test_without_values_between_the_next_of_the_sweep_will_do() -> None:
     """2.5 times 2 is 5: the first value from there on is 8, and no later one will do."""
-    assert verdict(2.5, 8.0) == Verdict.AS_PREDICTED and verdict(2.5, 16.0) == Verdict.THEORY_WRONG
+    for measured, told in ((8.0, Verdict.AS_PREDICTED), (16.0, Verdict.THEORY_WRONG)):
+        variant = replace(breaks_from(measured), breaks=2.5)
+        (row,) = judge(replace(family(variant), continuous=False), asked=("planted",)).rows
+        assert (row.verdict, row.measured) == (told, measured)
+
+
+@pytest.mark.parametrize(("safe", "told"), [(4.0, "breaks early"), (3.9, "breaks as predicted")])
+def test_nothing_may_be_wrong_at_a_safe_value(safe: float, told: str) -> None:
+    """A break at 4 lies within the factor of 8, but exactly at what was said to be safe it is refuted."""
+    variant = replace(breaks_from(4.0), breaks=8.0, safe=lambda _: safe)
+    (row,) = judge(family(variant), asked=("planted",)).rows
+    assert row.verdict == told
 
 
 def test_sweeps_may_descend() -> None:
@@ -106,9 +123,10 @@ def test_causes_come_from_the_models_of_the_method() -> None:
     assert row.causes == {"no depth test": 16} and row.wrong == 2048  # eight of each picture are traced
 
 
-def test_a_refusal_is_no_wrong_sample() -> None:
+def test_a_refusal_is_no_wrong_sample_and_no_proof() -> None:
     variant = Variant("refuses", None, "1/w needs perspective", 2.0, "scanline", {"depth_format": "1/w"})
     (row,) = judge(family(variant), asked=("refuses",)).rows
+    assert row.verdict == Verdict.REFUSED and row.verdict not in FINE
     assert row.wrong == 0 and all("parallel view" in point.refused for point in row.points)
 
 
@@ -119,13 +137,24 @@ def test_curves_are_held_to_their_factor() -> None:
         figure_name="figure",
     )
 
-    def told(*, curve: float) -> Verdict:
-        variant = replace(breaks_from(0.0), curve=lambda value: curve * value)
+    def told(curve: float, excess: float = 1.0) -> Verdict:
+        variant = replace(breaks_from(0.0), curve=lambda value: curve * value, excess=excess)
         result: Result = judge(replace(measured, variants=(variant,)), asked=("planted",))
         return result.rows[0].verdict
 
-    assert told(curve=1.0) == told(curve=4.0) == Verdict.AS_PREDICTED
-    assert told(curve=0.9) == Verdict.EARLY and told(curve=4.1) == Verdict.THEORY_WRONG
+    assert told(2.0) == told(4.0) == told(1.0, excess=2.0) == Verdict.AS_PREDICTED
+    assert told(1.9) == told(0.9, excess=2.0) == Verdict.EARLY and told(4.1) == Verdict.THEORY_WRONG
+
+
+def test_a_buffer_one_bit_too_coarse_is_found_out() -> None:
+    pairs = family_named("parallel-pair")
+    (d16,) = (variant for variant in pairs.variants if variant.name == "D16 reversed")
+
+    def told(bits: int) -> Verdict:
+        variant = replace(d16, mistake=Buffer(stored=levels_of_reversed(bits)))
+        return judge(replace(pairs, variants=(variant,)), quick=True, asked=(d16.name,)).rows[0].verdict
+
+    assert (told(16), told(15)) == (Verdict.AS_PREDICTED, Verdict.EARLY)
 
 
 def test_unknown_names_are_told() -> None:

@@ -41,7 +41,7 @@ FAMILY = Family(
     scene=scene,
     size=lambda *_: (WIDTH, WIDTH),
     variants=(
-        Variant("raycast-naive-slabs", U64 * WIDTH, "2^-53 W px: one rounding of a reciprocal"),
+        Variant("raycast-naive-slabs", 0.5 * U64 * WIDTH, "2^-54 W px: one rounding, W / 2 from the middle"),
         Variant("raycast-single", None, "its slabs are padded by two units in the last place"),
     ),
 )

@@ -49,8 +49,8 @@ FAMILY = Family(
         ),
         Variant(
             "separate",
-            2.0**24,
-            "2^24: float32 holds no depth of a unit any more",
+            2.0**25,
+            "2^25: float32 no longer tells depths apart that differ by 2",
             mistake=Buffer(real=np.float32),
         ),
     ),

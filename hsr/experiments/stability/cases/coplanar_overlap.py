@@ -21,11 +21,12 @@ def scene(grid: float, side: int) -> Scene:
 def first_wrong(bits: int) -> Variant:
     """Return the theory for arithmetic of so many bits.
 
-    Corners have ``log2(W / (2 g))`` bits, products of two differences twice as many, and two more.
+    Corners have ``log2(W / (2 g))`` bits, products of two differences twice as many, and two more. The factor
+    is large, as the first bits that are lost decide at few samples.
     """
     told = f"2^(-{bits}/2) W: products of two corners need more than {bits} bits"
     name = "scanline-direct" if bits == 53 else "scanline-float32-direct"
-    return Variant(name, lambda side: 2.0 ** (-bits / 2.0) * side, told)
+    return Variant(name, lambda side: 2.0 ** (-bits / 2.0) * side, told, 4.0)
 
 
 FAMILY = Family(
@@ -44,6 +45,7 @@ FAMILY = Family(
     ),
     parameter="grid of the corners, in pixels",
     sweep=powers_of_two(0, -38, 2),
+    continuous=False,
     scene=scene,
     wrong=another_choice,
     figure_name="samples with another choice",

@@ -49,6 +49,7 @@ FAMILY = Family(
     source="D. Hearn, M. P. Baker, Computer Graphics, scan-line polygon fill: x' = x + 1/m",
     parameter="height of the picture, in samples",
     sweep=powers_of_two(3, 12),
+    continuous=False,
     scene=scene,
     size=lambda height, _: (WIDTH, int(height)),
     variants=(

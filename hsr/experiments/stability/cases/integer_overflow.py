@@ -13,12 +13,12 @@ from hsr.experiments.stability.mistakes import GRID, Buffer
 
 
 def first_overflow(bits: int) -> float:
-    """Return the length from which on an edge function does not fit.
+    """Return the length from which on twice the area of the triangle does not fit.
 
-    Along the edge, of 6 L by 2 L pixels, a sample is at most L below an end: the greatest product is 6 L^2 in
-    squares of the grid.
+    The long edge is 6 L by 2 L pixels, and the third corner lies 3 L to the right of its left end and 3 L
+    below: the cross product, whose sign turns all edges, is 18 L^2 + 6 L^2 in squares of the grid.
     """
-    return math.sqrt(2.0 ** (bits - 1) / 6.0) / GRID
+    return math.sqrt(2.0 ** (bits - 1) / 24.0) / GRID
 
 
 FAMILY = Family(
@@ -26,9 +26,9 @@ FAMILY = Family(
     group="coverage",
     story=(
         "On a grid, edge functions are exact in integers, as long as they fit: a triangle of 2^k pixels on "
-        "a grid of 2^-b needs 2 (k + b) + 2 bits. With 8 bits of sub-pixels 32 of them are full at little "
-        "more than a hundred pixels; from there on signs are those of the remainder. Real rasterisers "
-        "choose 64 bits, or split."
+        "a grid of 2^-b needs 2 (k + b) + 2 bits. With 8 bits of sub-pixels 32 of them are full at some "
+        "two hundred pixels; from there on signs are those of the remainder. Real rasterisers choose 64 "
+        "bits, or split."
     ),
     expected="The triangle at the samples below its edge, the wall at those above.",
     source=(
@@ -39,7 +39,7 @@ FAMILY = Family(
     sweep=powers_of_two(2, 16, 2),
     scene=scene,
     variants=(
-        Variant("int32", first_overflow(32), "sqrt(2^31 / 6) / 2^8 px", mistake=Buffer(whole=np.int32)),
-        Variant("int64", None, "sqrt(2^63 / 6) / 2^8 px, beyond the sweep", mistake=Buffer(whole=np.int64)),
+        Variant("int32", first_overflow(32), "sqrt(2^31 / 24) / 2^8 px", mistake=Buffer(whole=np.int32)),
+        Variant("int64", None, "sqrt(2^63 / 24) / 2^8 px, beyond the sweep", mistake=Buffer(whole=np.int64)),
     ),
 )

@@ -56,7 +56,10 @@ FAMILY = Family(
         *snapped(),
         *on_screen(),
         Variant(
-            "epsilon", EPSILON, "epsilon: edges are widened by 2^-17 px", mistake=Buffer(epsilon=EPSILON)
+            "epsilon",
+            0.5 * EPSILON,
+            "epsilon / 2: level edges are widened by 2^-17 px, and twice as far from samples",
+            mistake=Buffer(epsilon=EPSILON),
         ),
     ),
 )

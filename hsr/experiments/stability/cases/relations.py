@@ -89,6 +89,7 @@ FAMILY = Family(
     ),
     parameter="number of the change",
     sweep=tuple(float(k + 1) for k in range(len(CHANGES))),
+    continuous=False,
     scene=scene,
     wrong=changed,
     figure_name="samples that change",

@@ -34,6 +34,7 @@ FAMILY = Family(
     ),
     parameter="scale of everything",
     sweep=powers_of_two(0, 120, 8),
+    continuous=False,
     scene=scene,
     variants=(
         *(

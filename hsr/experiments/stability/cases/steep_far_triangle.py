@@ -36,6 +36,7 @@ FAMILY = Family(
     source="Derived: 2^-24 |dz/dx| x, the rounding of what depth is at the left end",
     parameter="distance from the left end, in pixels",
     sweep=powers_of_two(4, 13),
+    continuous=False,
     scene=scene,
     size=lambda away, _: (int(away) + HEIGHT, HEIGHT),
     variants=(

@@ -44,6 +44,7 @@ FAMILY = Family(
     ),
     parameter="grid that holds the corners, in pixels",
     sweep=powers_of_two(-2, -28, 2),
+    continuous=False,
     scene=scene,
     variants=(*snapped(), *on_screen()),
 )

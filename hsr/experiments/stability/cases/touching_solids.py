@@ -59,7 +59,8 @@ FAMILY = Family(
     variants=(
         Variant("scanline-d16", lambda side: first_wrong_of_polygons(2.0**-16, side), POLYGONS),
         Variant("scanline-d24", lambda side: first_wrong_of_polygons(2.0**-24, side), POLYGONS),
-        Variant("raycast-woop-float32", lambda side: first_wrong(2.0**-25, side), "4 r^2 2^-25"),
+        # Less than a step apart depths are equal or not, by where they lie between floats.
+        Variant("raycast-woop-float32", lambda side: first_wrong(2.0**-25, side), "4 r^2 2^-25", 4.0),
         Variant("opengl", lambda side: first_wrong_of_polygons(2.0**-24, side), POLYGONS),
     ),
 )
