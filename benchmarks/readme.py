@@ -89,7 +89,7 @@ def _times(took: dict[str, Any], peer: str, ours: str, stages: tuple[str, ...] =
 def _cost(took: dict[str, Any], method: str) -> str:
     if not {method, f"{method}-plain"} <= took.keys():
         return "absent"
-    return f"+{took[method]['render'].median / took[f'{method}-plain']['render'].median - 1.0:.0%}"
+    return f"{took[method]['render'].median / took[f'{method}-plain']['render'].median - 1.0:+.0%}"
 
 
 def hard_cases(matrix: dict[str, Any]) -> str:
