@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -440,12 +440,18 @@ class _Telling:
         """Say how the polygons lie that stand for the owner."""
         name = self.name(self.sight.owner)
         polygons = f"the polygons of {self.view.segments} sides that stand for "
-        layers = sight(self.view.tessellated(), self.row, self.column).layers
+        layers = _polygons_there(self.view, self.row, self.column)
         own = [layer for layer in layers if layer.face == self.sight.owner and layer.edges]
         if not own or any(layer.covered for layer in own):
             return f"{polygons}curved shapes lie elsewhere"
         missed = min(-layer.nearest_edge[1] for layer in own)
         return f"{polygons}{name} miss the sample by {missed:.3g} px"
+
+
+@lru_cache(maxsize=1)  # every method that is wrong at a sample asks
+def _polygons_there(view: View, row: int, column: int) -> tuple[Layer, ...]:
+    """Look at the polygons that stand for curved shapes on the line of sight of a sample."""
+    return sight(view.tessellated(), row, column).layers
 
 
 def _inside(distance: float) -> str:

@@ -29,7 +29,7 @@ from hsr.shading import depth_span, face_colours, facing
 from hsr.viewing import View
 from hsr.visibility import BACKGROUND, VisibilityMap
 
-STORIES = 32
+STORIES = 96
 """How many samples of a scene have their history in the page: some seconds to tell, tens of kB to keep."""
 
 CLUSTERS = 200
