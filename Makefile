@@ -1,4 +1,4 @@
-# make lab    set up, compare all built-in scenes by all methods, write and name the report
+# make lab    set up, compare all built-in scenes by the methods, write and name the report
 # make test   set up, then lint, types, import rules, tests (with the JIT and without)
 # make proof  the long run: every scene, many sizes; MESHES=DIR adds real meshes
 # make samples  write the report, the course of lessons and the gallery that are kept under reports/

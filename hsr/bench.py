@@ -10,7 +10,7 @@ import typer
 
 from hsr.console import new_table, out, print_json, progress, say
 from hsr.errors import HsrError
-from hsr.options import DIFFERS, Json, Methods, Quiet, RunByDefault, check_folder, parse_size
+from hsr.options import ALL, DIFFERS, Json, Methods, Quiet, RunByDefault, check_folder, parse_size
 from hsr.output import write_whole
 
 if TYPE_CHECKING:
@@ -19,10 +19,6 @@ if TYPE_CHECKING:
 
 SCENES = ("teapot", "menger", "solids")
 """The built-in scenes that are measured if none is named: a mesh, a deep one, one with curved shapes."""
-
-
-ALL = "all"
-"""In place of the name of a method: every one there is."""
 
 
 bench_app = typer.Typer(

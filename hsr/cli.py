@@ -19,7 +19,7 @@ from hsr import __version__
 from hsr.bench import bench_app
 from hsr.console import err, new_table, out, print_json, print_renders, print_studies, progress, say
 from hsr.errors import HsrError, UnavailableError
-from hsr.options import DIFFERS, MISSING, USAGE, Json, Methods, Quiet, check_folder, parse_size
+from hsr.options import ALL, DIFFERS, MISSING, USAGE, Json, Methods, Quiet, check_folder, parse_size
 from hsr.output import make_folder, write_whole
 from hsr.stability import stability_app
 
@@ -175,17 +175,20 @@ def compare(
 ) -> None:
     """Render scenes by many methods and compare every visibility map with the reference.
 
-    Without -a every method takes part; those that test each face at each sample sit out scenes
-    that would keep them busy for minutes.
+    Without -a the method each family is called after takes part, and every peer; '-a all' adds all
+    variants. Those that test each face at each sample sit out scenes that would keep them busy for minutes,
+    unless they are named.
     """
     import hsr
+    from hsr.algorithms import registry
     from hsr.difference.classes import DIFFERENT
     from hsr.difference.study import study
 
     check_folder(output)
     forbidden = _classes(fail_on, DIFFERENT)
     loaded = [(path, hsr.load(path)) for path in scenes]
-    names = method or list(hsr.methods())
+    asked = [] if method in (None, [ALL]) else list(method or ())
+    names = list(hsr.methods()) if method == [ALL] else asked or registry.default_methods()
     studies = []
     with progress(quiet, len(loaded) * (len({*names, ref}) + (output is not None))) as step:
         for path, scene in loaded:
@@ -196,11 +199,11 @@ def compare(
                 parse_size(size),
                 camera,
                 name=path.stem,
-                patient=method is not None,
+                patient=bool(asked),
                 progress=step,
             )
             studies.append(found)
-        _require(studies, {*(method or ()), ref})
+        _require(studies, {*asked, ref})
         if output is not None:
             from hsr.report.page import write_report
 
@@ -212,7 +215,7 @@ def compare(
         if output is not None:
             say(f"report: {output}")
     if forbidden:
-        _require_judged(studies, {*(method or ()), ref})
+        _require_judged(studies, {*asked, ref})
     if any(_meets(found, forbidden) for found in studies):
         raise typer.Exit(DIFFERS)
 

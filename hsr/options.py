@@ -10,6 +10,9 @@ from typer.core import TyperGroup
 
 from hsr.errors import HsrError
 
+ALL = "all"
+"""In place of the name of a method: every one there is."""
+
 DIFFERS, USAGE, MISSING = 1, 2, 3
 """Exit codes: something differs, usage or input, a method asked for by name is missing."""
 

@@ -14,6 +14,7 @@ import pytest
 
 import hsr
 from hsr import cli
+from hsr.algorithms import registry
 
 CUBE = "scenes/cube.toml"
 
@@ -125,6 +126,14 @@ def test_compare_json(run: Any) -> None:
     code, out, _ = run("compare", CUBE, "--size", "24", "-a", "raycast", "--ref", "zbuffer", "--json")
     (study,) = json.loads(out)["studies"]
     assert code == 0 and study["reference"] == "zbuffer"
+
+
+@pytest.mark.jit
+def test_variants_take_part_only_if_all_are_asked_for(run: Any) -> None:
+    for extra, names in ((), registry.default_methods()), (("-a", "all"), list(registry.methods())):
+        _, out, _ = run("compare", CUBE, "--size", "8", "--json", "-q", *extra)
+        (study,) = json.loads(out)["studies"]
+        assert {*study["methods"], *study["skipped"]} == set(names), extra
 
 
 def test_compare_tells_the_time_of_the_reference_below_those_of_the_others(run: Any) -> None:

@@ -277,6 +277,20 @@ def method_named(name: str) -> Method:
         raise MethodError(f"no method is named {name!r}; there are {', '.join(methods())}") from None
 
 
+def default_methods() -> list[str]:
+    """Name the methods worth a row unasked.
+
+    Returns
+    -------
+    list of str
+        The method that a family is called after, every peer from outside (it needs something of the
+        machine), and what tests every face at every sample. Left out are variants, such as ``scanline-d16``.
+    """
+    return [
+        name for name, method in methods().items() if "-" not in name or method.needs or method.exhaustive
+    ]
+
+
 def render(
     scene: Scene | View,
     method: str = "zbuffer",

@@ -17,7 +17,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from hsr.algorithms.registry import Method, method_named, methods, render
+from hsr.algorithms.registry import Method, default_methods, method_named, render
 from hsr.arrays import Floats
 from hsr.difference.cause import causes
 from hsr.difference.classes import SampleClass, compare
@@ -110,7 +110,7 @@ def measure(
     ----------
     cases : sequence of Case
     names : sequence of str, optional
-        Of the methods; :func:`default_methods` without.
+        Of the methods; :func:`hsr.algorithms.registry.default_methods` without.
     repeat : int
         Turns of every method, three at least. One that has used up its share of time, 15 seconds, has no
         more turns on that case once it has had three.
@@ -145,20 +145,6 @@ def measure(
         machine=machine(),
         rows=tuple(rows),
     )
-
-
-def default_methods() -> list[str]:
-    """Name the methods worth a row unasked.
-
-    Returns
-    -------
-    list of str
-        The method that a family is called after, every peer from outside (it needs something of the
-        machine), and what tests every face at every sample. Left out are variants, such as ``scanline-d16``.
-    """
-    return [
-        name for name, method in methods().items() if "-" not in name or method.needs or method.exhaustive
-    ]
 
 
 def _measure_case(

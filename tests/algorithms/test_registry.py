@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -127,3 +128,11 @@ def test_other_packages_register_methods(monkeypatch: pytest.MonkeyPatch, make_s
 def test_a_path_is_no_scene() -> None:
     with pytest.raises(MethodError, match=r"takes a scene or a view, not str; read a file by hsr\.load"):
         hsr.render("scenes/cube.toml", "zbuffer")  # type: ignore[arg-type]
+
+
+def test_the_default_is_one_of_each_family_and_every_peer(monkeypatch: pytest.MonkeyPatch) -> None:
+    names = ("paint", "paint-quick", "paint-list", "brush-gold")
+    made = {name: Method(name, "", "nowhere", exhaustive=name.endswith("list")) for name in names}
+    made["brush-gold"] = replace(made["brush-gold"], needs="gold")
+    monkeypatch.setattr(registry, "methods", lambda: made)
+    assert registry.default_methods() == ["paint", "paint-list", "brush-gold"]

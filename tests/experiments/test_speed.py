@@ -136,14 +136,6 @@ def test_exhaustive_methods_sit_out_what_takes_too_long(register: Any, cube: Cas
     assert "test each of 6 faces" in measure([cube], ["list"], 3, patience=tests - 1).rows[0].absent
 
 
-def test_the_default_is_one_of_each_family_and_every_peer(monkeypatch: pytest.MonkeyPatch) -> None:
-    names = ("paint", "paint-quick", "paint-list", "brush-gold")
-    made = {name: Method(name, "", "nowhere", exhaustive=name.endswith("list")) for name in names}
-    made["brush-gold"] = replace(made["brush-gold"], needs="gold")
-    monkeypatch.setattr(speed, "methods", lambda: made)
-    assert speed.default_methods() == ["paint", "paint-list", "brush-gold"]
-
-
 def test_unknown_methods_stop_the_run(cube: Case) -> None:
     with pytest.raises(MethodError, match="no method is named 'nope'"):
         measure([cube], ["nope"])
