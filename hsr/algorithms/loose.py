@@ -132,7 +132,7 @@ def boxes(clip: Floats, near: float, eye: Eye) -> Floats:
 
 
 def _columns(view: View, piece: Ints, box: Floats, eye: Eye) -> Floats:
-    """Return the parts (TABLE / CLUSTER, n) of a table of pieces, ascending, relative to their boxes."""
+    """Return the parts (TABLE / CLUSTER, n) of a table of pieces, relative to their boxes."""
     frame, facets = facets_at(view, piece)
     columns = np.zeros((TABLE // CLUSTER, len(piece)))
     left, right, top, bottom = box.T
@@ -142,15 +142,15 @@ def _columns(view: View, piece: Ints, box: Floats, eye: Eye) -> Floats:
 
     # Scale each edge function so that nowhere on the image a term of it is above 1.
     for edge, (e, across, below) in enumerate(zip(_E, _ACROSS, _BELOW, strict=True)):
-        a, b, c = facets.inside[:, edge].T
+        a, b, c = np.array([facet.inside[edge] for facet in facets], object).T
         value, to_right, down = a * i + b * j + c, 2 * a, -2 * b
         size = np.maximum(abs(value) + abs(to_right) * view.width + abs(down) * view.height, 1)
         columns[e], columns[across], columns[below] = value / size, to_right / size, down / size
     columns[hs.BOUND // CLUSTER], columns[hs.AREA // CLUSTER] = ROUNDED, 1.0
 
     # Nearness is affine on the screen, too. That w is taken for depth is an error such as vertices have.
-    a, b, c = facets.plane[:, :3].T
-    s = np.maximum(facets.plane[:, 3], 1)
+    a, b, c, s = np.array([facet.plane for facet in facets], object).T
+    s = np.maximum(s, 1)
     above, below = (frame.unit, 1) if view.perspective else (1, frame.unit)
     share = w_at_depth_1(view)
     value, to_right, down = (
@@ -167,7 +167,8 @@ def _columns(view: View, piece: Ints, box: Floats, eye: Eye) -> Floats:
     columns[hs.Z_ERROR // CLUSTER] = np.where(bounded, error, np.inf)
     columns[hs.NEAREST // CLUSTER], columns[hs.CUT // CLUSTER] = 1.0, 1.0
     columns[hs.LEFT // CLUSTER], columns[hs.RIGHT // CLUSTER] = left, right
-    columns[hs.TOP // CLUSTER], columns[hs.BOTTOM // CLUSTER] = top, np.where(facets.drawn, bottom, top)
+    drawn = [facet.drawn for facet in facets]
+    columns[hs.TOP // CLUSTER], columns[hs.BOTTOM // CLUSTER] = top, np.where(drawn, bottom, top)
     return columns
 
 

@@ -33,7 +33,7 @@ GERMS = fmpz_mpoly_ctx.get(("d", "e"), Ordering.lex)
 ZERO = GERMS.constant(0)
 
 
-def germ(function: Array, i: int, j: int) -> fmpz_mpoly:
+def germ(function: Sequence[int] | Array, i: int, j: int) -> fmpz_mpoly:
     """Return the affine function A i + B j + C (of whole numbers) to the right and down of a place."""
     right, up, constant = function
     return GERMS.from_dict({(0, 0): right * i + up * j + constant, (0, 1): right, (1, 0): -up})
@@ -82,8 +82,8 @@ class Root:
         return of_first * sign_with_root(squared, 2 * u * v, self.r)
 
 
-def root_on_plane(plane: Array, perspective: bool, i: int, j: int) -> Root:
-    """Return the parameter where a line of sight meets a plane (A, B, C, S), see ``Facets.plane``."""
+def root_on_plane(plane: list[int], perspective: bool, i: int, j: int) -> Root:
+    """Return the parameter where a line of sight meets a plane (A, B, C, S), see ``Facet.plane``."""
     function, scale = germ(plane[:3], i, j), GERMS.constant(plane[3])
     p, s = (scale, -function) if perspective else (function, scale)
     return Root(p, 0, ZERO, s)
@@ -238,7 +238,7 @@ class CurvedPiece:
     origin, step : (3, 3) object
         Affine functions (A, B, C) of a sample's place; see :class:`Line`.
     scale : int
-    depth_row : (4,) object
+    depth_row : list of 4 int
         Depth of a point (x, y, z, 1) of the object, times ``frame.unit``.
     """
 
@@ -249,12 +249,12 @@ class CurvedPiece:
     origin: Array
     step: Array
     scale: int
-    depth_row: Array
+    depth_row: list[int]
 
     def line(self, i: int, j: int) -> Line:
         """Return the line of sight of a place."""
         origin, step = ([germ(row, i, j) for row in rows] for rows in (self.origin, self.step))
-        row, constant = list(self.depth_row[:3]), self.depth_row[3]
+        row, constant = self.depth_row[:3], self.depth_row[3]
         return Line(origin, step, self.scale, _dot(origin, row) + constant * self.scale, _dot(step, row))
 
     def hits(self, i: int, j: int) -> Iterator[Hit]:
@@ -278,14 +278,14 @@ def curved_piece(frame: Frame, thing: int, placement: Placement, part: int) -> C
     part : int
         Index of the face within the object.
     """
-    origin, step, scale = (numbers[0] for numbers in sights_of(frame, np.array([thing])))
+    origin, step, scale = (numbers[0] for numbers in sights_of(frame, [thing]))
     meet = SURFACES[placement.shape.kind][part]
     face = placement.first + part
-    return CurvedPiece(frame, face, placement.cull, meet, origin, step, scale, frame.matrices[thing, 3])
+    return CurvedPiece(frame, face, placement.cull, meet, origin, step, scale, frame.matrices[thing][3])
 
 
-def sights_of(frame: Frame, things: Array) -> tuple[Array, Array, Array]:
-    """Carry the lines of sight into the spaces of some objects (n,).
+def sights_of(frame: Frame, things: list[int]) -> tuple[Array, Array, Array]:
+    """Carry the lines of sight into the spaces of n objects.
 
     Returns
     -------
@@ -294,7 +294,7 @@ def sights_of(frame: Frame, things: Array) -> tuple[Array, Array, Array]:
     scale : (n,) object
         Positive.
     """
-    matrix = frame.matrices[things]
+    matrix = np.array([frame.matrices[thing] for thing in things], object)
     rows = matrix[:, [0, 1, 2 if frame.perspective else 3]]
     x, y, z = np.moveaxis(rows[..., :3], 1, 0)
     adjugate = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=2)

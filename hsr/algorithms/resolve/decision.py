@@ -2,23 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from bisect import bisect_right
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import lru_cache, partial
 from itertools import groupby
+from math import inf
 from operator import itemgetter
-from typing import NamedTuple
+from typing import cast
 
 import numpy as np
 
 from hsr.algorithms.resolve.curved import CurvedPiece, Hit, curved_piece, root_on_plane, sights_of
-from hsr.algorithms.resolve.facets import Facets, facets_of, joined
+from hsr.algorithms.resolve.facets import Corner, Facet, corner_of, facet_of
 from hsr.algorithms.resolve.frame import Frame, frame_of
 from hsr.arrays import Array, Bools, Floats, Ints
+from hsr.scene.shapes import Polygons
 from hsr.viewing import Placement, View
 from hsr.visibility import BACKGROUND
 
 CHUNK = 2**17
-"""Candidates decided at a time: a piece takes up to some 3 kB, a candidate some hundred bytes."""
+"""Candidates turned to Python's numbers at a time: each takes some hundred bytes."""
+
+KEPT = 2**15
+"""Pieces, and corners of pieces, that are kept: each takes up to some 3 kB."""
+
+OWNER = np.dtype([("sample", np.int64), ("face", np.int32), ("depth", np.float64)])
+"""Who owns a sample, and how deep."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,37 +100,28 @@ def resolve(view: View, sample: Array, piece: Ints, sure: Bools) -> Resolved:
     if len(sample) == 0:
         return Resolved(np.zeros(0, np.int64), np.zeros(0, np.int32), np.zeros(0))
     order = np.argsort(sample, kind="stable")
-    ordered = sample[order].astype(np.int64)
-    first = _firsts(ordered)
-    candidates = Candidates(ordered[first], first, piece[order], sure[order])
-    frame, starts = frame_of(view), first_pieces(view)
-    answers = []
-    for chunk in _chunks(candidates):
-        pieces = _pieces_of(view, frame, starts, chunk.piece)
-        answers.append(_decide(frame, pieces, chunk))
-    face, depth = (np.concatenate(column) for column in zip(*answers, strict=True))
-    return Resolved(candidates.sample, face, depth)
+    frame, piece_of = _pieces_of(view, piece)
+    candidates = _candidates(sample[order], piece[order], sure[order])
+    found = np.fromiter(_owners(frame, piece_of, candidates), OWNER)
+    return Resolved(found["sample"], found["face"], found["depth"])
 
 
-def facets_at(view: View, piece: Ints) -> tuple[Frame, Facets]:
+def facets_at(view: View, piece: Ints) -> tuple[Frame, list[Facet]]:
     """Set up planar pieces exactly, for methods that cannot do it in float64.
 
     Parameters
     ----------
     view : View
-    piece : (n,) int, ascending, at least one
+    piece : (n,) int, at least one
 
     Returns
     -------
     frame : Frame
         The integers in which the view is measured.
-    facets : Facets
-        One a piece.
+    facets : list of n Facet
     """
-    frame = frame_of(view)
-    facets = _pieces_of(view, frame, first_pieces(view), piece).facets
-    assert facets is not None, "curved pieces are no facets"
-    return frame, facets
+    frame, piece_of = _pieces_of(view, piece)
+    return frame, [cast(Facet, piece_of(number)) for number in piece.tolist()]
 
 
 def sights_at(view: View, things: Array) -> tuple[Frame, Array, Array, Array]:
@@ -130,7 +131,7 @@ def sights_at(view: View, things: Array) -> tuple[Frame, Array, Array, Array]:
     ----------
     view : View
     things : (n,) int64
-        Indices of objects.
+        Indices of objects, each once.
 
     Returns
     -------
@@ -139,141 +140,94 @@ def sights_at(view: View, things: Array) -> tuple[Frame, Array, Array, Array]:
     origin, step, scale
         See :func:`hsr.algorithms.resolve.curved.sights_of`.
     """
-    frame = frame_of(view)
-    return frame, *sights_of(frame, things)
-
-
-class Candidates(NamedTuple):
-    """Pieces that may own samples, sample after sample.
-
-    Attributes
-    ----------
-    sample : (n,) int64
-    first : (n,) int64
-        First candidate of each sample.
-    piece : (m,) int32
-    sure : (m,) bool
-    """
-
-    sample: Array
-    first: Array
-    piece: Ints
-    sure: Bools
-
-    @property
-    def at(self) -> Array:
-        """Index (m,) of the sample of each candidate."""
-        many = np.diff(self.first, append=len(self.piece))
-        return np.repeat(np.arange(len(self.sample)), many)
-
-
-def _chunks(candidates: Candidates) -> Iterator[Candidates]:
-    """Cut into runs of whole samples, of about CHUNK candidates each."""
-    sample, first, piece, sure = candidates
-    ends = np.append(first, len(piece))
-    cuts = np.unique(np.searchsorted(first, np.arange(0, len(piece), CHUNK)))
-    for low, high in zip(cuts, [*cuts[1:], len(sample)], strict=True):
-        run = slice(ends[low], ends[high])
-        yield Candidates(sample[low:high], first[low:high] - ends[low], piece[run], sure[run])
+    frame = frame_of(view, things.tolist())
+    return frame, *sights_of(frame, things.tolist())
 
 
 # ---------------------------------------------------------------- the pieces
 
+Piece = Facet | CurvedPiece
 
-@dataclass(frozen=True, eq=False)
-class Pieces:
-    """The pieces that occur.
 
-    Attributes
-    ----------
-    facets : Facets or None
-        The planar ones, if there are any.
-    facet : (m,) int64
-        Index among them of the piece of each candidate; -1 for curved pieces.
-    curved : dict of int to CurvedPiece
+def _pieces_of(view: View, piece: Ints) -> tuple[Frame, Callable[[int], Piece]]:
+    """Return the frame of the objects of some pieces (n,), and what sets up each piece when first asked."""
+    starts = first_pieces(view)
+    things = np.flatnonzero(np.bincount(np.searchsorted(starts, piece, side="right") - 1))
+    frame = frame_of(view, things.tolist())
+    corner = lru_cache(KEPT)(partial(_corner, view, frame))
+    return frame, lru_cache(KEPT)(partial(_piece, view, frame, starts.tolist(), corner))
+
+
+def _corner(view: View, frame: Frame, thing: int, vertex: int) -> Corner:
+    polygons = view.placements[thing].shape.polygons
+    assert polygons is not None, "spheres and cylinders have no vertices"
+    return corner_of(frame.matrices[thing], polygons.vertices[vertex].tolist())
+
+
+def _piece(
+    view: View, frame: Frame, starts: list[int], corner: Callable[[int, int], Corner], number: int
+) -> Piece:
+    """Set up a piece; those of each object begin at ``starts``."""
+    thing = bisect_right(starts, number) - 1
+    placement, part = view.placements[thing], number - starts[thing]
+    polygons = placement.shape.polygons
+    if polygons is None:
+        return curved_piece(frame, thing, placement, part)
+    if placement.mirrored:
+        part = _turned(polygons, part)
+    face = placement.first + int(polygons.face[polygons.triangle_polygon[part]])
+    corners = [corner(thing, vertex) for vertex in polygons.triangle_vertex[part].tolist()]
+    return facet_of(frame, placement, face, corners)
+
+
+def _turned(polygons: Polygons, triangle: int) -> int:
+    """Return the triangle in the same place of its fan if that runs the other way round.
+
+    So ``view.polygons`` has the fans of mirrored objects.
     """
-
-    facets: Facets | None
-    facet: Array
-    curved: dict[int, CurvedPiece]
-
-
-def _pieces_of(view: View, frame: Frame, starts: Array, piece: Ints) -> Pieces:
-    """Set up the pieces that occur; those of each object begin at ``starts``."""
-    occurring, which = np.unique(piece, return_inverse=True)
-    thing = np.searchsorted(starts, occurring, side="right") - 1
-    is_curved = np.zeros(len(occurring), dtype=bool)
-    planar: list[Facets] = []
-    curved: dict[int, CurvedPiece] = {}
-    first = _firsts(thing)
-    for own in map(slice, first, [*first[1:], len(thing)]):
-        k = thing[own.start]
-        placement, part = view.placements[k], occurring[own] - starts[k]
-        if placement.shape.curved:
-            curved |= {int(starts[k] + p): curved_piece(frame, k, placement, int(p)) for p in part}
-            is_curved[own] = True
-        else:
-            planar.append(facets_of(frame, k, placement, part))
-    facet = np.where(is_curved, -1, np.cumsum(~is_curved) - 1)[which]
-    return Pieces(joined(planar) if planar else None, facet, curved)
+    polygon = polygons.triangle_polygon
+    first, end = (np.searchsorted(polygon, polygon[triangle], side) for side in ("left", "right"))
+    return int(first + end) - 1 - triangle
 
 
 # ---------------------------------------------------------------- the owners
 
-
-def _decide(frame: Frame, pieces: Pieces, candidates: Candidates) -> tuple[Ints, Floats]:
-    """Return the owner (n,) of each sample, and its depth."""
-    i, j = frame.place(candidates.sample)
-    face, depth = np.full(len(i), BACKGROUND, np.int32), np.full(len(i), np.inf)
-    nearest = np.full(len(i), -1)
-    if pieces.facets is not None:
-        nearest = _nearest_facets(pieces.facets, pieces.facet, candidates, i, j)
-        owned = np.flatnonzero(nearest >= 0)
-        face[owned] = pieces.facets.face[nearest[owned]]
-        depth[owned] = pieces.facets.depth_at(nearest[owned], i[owned], j[owned])
-    for k, curved in _curved_candidates(pieces, candidates):
-        hits = [hit for piece in curved for hit in piece.hits(i[k], j[k])]
-        if pieces.facets is not None and nearest[k] >= 0:
-            plane = pieces.facets.plane[nearest[k]]
-            hits.append(Hit(face[k], root_on_plane(plane, frame.perspective, i[k], j[k])))
-        owner = min(hits, default=None)
-        if owner is not None and owner.line is not None:
-            face[k], depth[k] = owner.face, owner.depth(frame.unit)
-    return face, depth
+Candidate = tuple[int, int, bool]
+"""A sample, the number of a piece that may own it, and whether that is sure."""
 
 
-def _nearest_facets(facets: Facets, facet: Array, candidates: Candidates, i: Array, j: Array) -> Array:
-    """Return the index (n,) of the nearest planar piece at each sample, -1 where there is none."""
-    which, at, sure = facet, candidates.at, candidates.sure
-    asked = np.flatnonzero(facet >= 0)
-    asked = asked[~_idle(facets, which[asked], at[asked], sure[asked])]
-    asked = asked[facets.covers(which[asked], i[at[asked]], j[at[asked]], sure[asked])]
-    which, at = which[asked], at[asked]
-    first = _firsts(at)
-    nearest = np.full(len(i), -1)
-    nearest[at[first]] = which[facets.nearest(which, i[at], j[at], first)]
-    return nearest
+def _candidates(sample: Array, piece: Ints, sure: Bools) -> Iterator[Candidate]:
+    """Yield the candidates (m,), turned to Python's numbers in chunks."""
+    for low in range(0, len(sample), CHUNK):
+        run = slice(low, low + CHUNK)
+        yield from zip(sample[run].tolist(), piece[run].tolist(), sure[run].tolist(), strict=True)
 
 
-def _idle(facets: Facets, which: Array, at: Array, sure: Bools) -> Bools:
-    """Tell which candidates (m,) need not be looked at: higher faces where all are sure and of one plane."""
-    first = _firsts(at)
-    group = np.repeat(np.arange(len(first)), np.diff(first, append=len(at)))
-    plane, face = facets.plane_id[which], facets.face[which]
-    settled = np.minimum.reduceat(plane, first) == np.maximum.reduceat(plane, first)
-    settled &= np.logical_and.reduceat(sure, first)
-    idle: Bools = settled[group] & (face > np.minimum.reduceat(face, first)[group])
-    return idle
+def _owners(
+    frame: Frame, piece_of: Callable[[int], Piece], candidates: Iterator[Candidate]
+) -> Iterator[tuple[int, int, float]]:
+    """Yield each sample, its owner and its depth."""
+    for sample, run in groupby(candidates, key=itemgetter(0)):
+        i, j = frame.place(sample)
+        owner, curved = None, []
+        for _, number, sure in run:
+            piece = piece_of(number)
+            if isinstance(piece, CurvedPiece):
+                curved.append(piece)
+            elif (owner is None or piece.hides(owner, i, j)) and (sure or piece.covers(i, j)):
+                owner = piece
+        hit = _first_hit(frame, curved, owner, i, j) if curved else None
+        if hit is not None:
+            yield sample, hit.face, hit.depth(frame.unit)
+        elif owner is not None:
+            yield sample, owner.face, owner.depth_at(i, j)
+        else:
+            yield sample, BACKGROUND, inf
 
 
-def _firsts(at: Array) -> Array:
-    """Return where each run of equal numbers (m,) begins."""
-    return np.flatnonzero(np.diff(at, prepend=-1))
-
-
-def _curved_candidates(pieces: Pieces, candidates: Candidates) -> Iterator[tuple[int, list[CurvedPiece]]]:
-    """Yield the samples that have curved candidates, and these."""
-    curved = np.flatnonzero(pieces.facet < 0)
-    pairs = zip(candidates.at[curved].tolist(), candidates.piece[curved].tolist(), strict=True)
-    for k, run in groupby(pairs, key=itemgetter(0)):
-        yield k, [pieces.curved[piece] for _, piece in run]
+def _first_hit(frame: Frame, curved: list[CurvedPiece], facet: Facet | None, i: int, j: int) -> Hit | None:
+    """Return the first hit of curved pieces, unless a planar piece hides them all."""
+    hit = min((hit for piece in curved for hit in piece.hits(i, j)), default=None)
+    if hit is None or facet is None:
+        return hit
+    return hit if hit < Hit(facet.face, root_on_plane(facet.plane, frame.perspective, i, j)) else None
