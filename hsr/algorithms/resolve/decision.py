@@ -176,8 +176,8 @@ def _piece(
     if placement.mirrored:
         part = _turned(polygons, part)
     face = placement.first + int(polygons.face[polygons.triangle_polygon[part]])
-    corners = [corner(thing, vertex) for vertex in polygons.triangle_vertex[part].tolist()]
-    return facet_of(frame, placement, face, corners)
+    a, b, c = polygons.triangle_vertex[part].tolist()
+    return facet_of(frame, placement, face, (corner(thing, a), corner(thing, b), corner(thing, c)))
 
 
 def _turned(polygons: Polygons, triangle: int) -> int:

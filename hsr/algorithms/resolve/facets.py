@@ -9,13 +9,12 @@ the determinant's. Other affine functions on the triangle are combinations of th
 from __future__ import annotations
 
 from math import gcd
-from operator import mul
 from typing import NamedTuple
 
 from hsr.algorithms.resolve.frame import Frame, Matrix, integers
 from hsr.viewing import Placement
 
-Affine = list[int]
+Affine = tuple[int, int, int]
 """An affine function (A, B, C) of a sample's place: A i + B j + C."""
 
 Corner = tuple[int, int, int, int, int]
@@ -30,9 +29,9 @@ class Facet(NamedTuple):
     face : int
     drawn : bool
         Whether it takes part: it is neither culled nor seen edge-on.
-    inside : list of 4 or 5 Affine
+    inside : tuple of 4 or 5 Affine
         Not negative where it takes part: its edges, near, and far unless that is infinite.
-    plane : list of 4 int
+    plane : tuple of 4 int
         (A, B, C, S) in lowest terms, S > 0: along a line of sight (A i + B j + C) / S grows with depth, to
         which it is equal (times ``Frame.unit``) in a parallel view; under perspective it is -1 / w.
     depth : tuple of 2 Affine
@@ -41,8 +40,8 @@ class Facet(NamedTuple):
 
     face: int
     drawn: bool
-    inside: list[Affine]
-    plane: list[int]
+    inside: tuple[Affine, ...]
+    plane: tuple[int, int, int, int]
     depth: tuple[Affine, Affine]
 
     def covers(self, i: int, j: int) -> bool:
@@ -80,7 +79,7 @@ def corner_of(matrix: Matrix, point: list[float]) -> Corner:
     return i, j, w, depth, h
 
 
-def facet_of(frame: Frame, placement: Placement, face: int, corners: list[Corner]) -> Facet:
+def facet_of(frame: Frame, placement: Placement, face: int, corners: tuple[Corner, Corner, Corner]) -> Facet:
     """Set up a triangle of a fan.
 
     Parameters
@@ -89,42 +88,52 @@ def facet_of(frame: Frame, placement: Placement, face: int, corners: list[Corner
     placement : Placement
         Its object.
     face : int
-    corners : list of 3 Corner
+    corners : tuple of 3 Corner
         In the order of the fan, so clockwise on the screen if the front is seen of a mirrored object.
     """
     a, b, c = corners
-    edges = [_cross(b, c), _cross(c, a), _cross(a, b)]
-    turn = sum(map(mul, a, edges[0]))
-    sign = (turn > 0) - (turn < 0)
-    edges = [[sign * number for number in edge] for edge in edges]
+    turn = _turn(a, b, c)
     front = (turn > 0) != placement.mirrored
     drawn = turn != 0 and placement.cull != (2 if front else 1)
+    if turn < 0:
+        turn, b, c = -turn, c, b
+    edges = _cross(b, c), _cross(c, a), _cross(a, b)
 
-    *_, depths, ones = zip(*corners, strict=True)
-    depth, one = _combined(depths, edges), _combined(ones, edges)
-    between = [
-        [way * (d - limit * o) for d, o in zip(depth, one, strict=True)]
-        for way, limit in zip((1, -1), frame.limits, strict=False)
-    ]
-    plane = _plane(frame, abs(turn), depth, one)
-    return Facet(face, drawn, edges + between, plane, (depth, [frame.unit * o for o in one]))
+    depth = _combined(a[3], b[3], c[3], edges)
+    one = _combined(a[4], b[4], c[4], edges)
+    near, *far = frame.limits
+    inside = (*edges, _sum(1, depth, -near, one), *(_sum(-1, depth, limit, one) for limit in far))
+    return Facet(face, drawn, inside, _plane(frame, turn, depth, one), (depth, (frame.unit * one[0], frame.unit * one[1], frame.unit * one[2])))
+
+
+def _turn(a: Corner, b: Corner, c: Corner) -> int:
+    """Return the determinant of three corners: positive if they run counter-clockwise on the screen."""
+    x, y, z = _cross(b, c)
+    return a[0] * x + a[1] * y + a[2] * z
 
 
 def _cross(a: Corner, b: Corner) -> Affine:
-    (ax, ay, az, *_), (bx, by, bz, *_) = a, b
-    return [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
+    ax, ay, az, _, _ = a
+    bx, by, bz, _, _ = b
+    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
-def _combined(numbers: tuple[int, ...], edges: list[Affine]) -> Affine:
+def _combined(p: int, q: int, r: int, edges: tuple[Affine, Affine, Affine]) -> Affine:
     """Return the affine function that has these values at the corners, times the determinant."""
-    a, b, c = numbers
-    return [a * x + b * y + c * z for x, y, z in zip(*edges, strict=True)]
+    (ax, ay, az), (bx, by, bz), (cx, cy, cz) = edges
+    return p * ax + q * bx + r * cx, p * ay + q * by + r * cy, p * az + q * bz + r * cz
 
 
-def _plane(frame: Frame, turn: int, depth: Affine, one: Affine) -> list[int]:
+def _sum(p: int, one: Affine, q: int, other: Affine) -> Affine:
+    (ax, ay, az), (bx, by, bz) = one, other
+    return p * ax + q * bx, p * ay + q * by, p * az + q * bz
+
+
+def _plane(frame: Frame, turn: int, depth: Affine, one: Affine) -> tuple[int, int, int, int]:
     """Return the affine function by which pieces are ordered along lines of sight, in lowest terms."""
     # The corners' combination of w is the determinant, as p has w = 1; so 1 / w is one / turn. In a
     # parallel view w is constant, and so is the combination of ones.
-    plane = [*(-o for o in one), turn] if frame.perspective else [*depth, one[2]]
-    common = gcd(*plane) or 1
-    return [number // common for number in plane]
+    x, y, z = one
+    a, b, c, s = (-x, -y, -z, turn) if frame.perspective else (*depth, z)
+    common = gcd(a, b, c, s) or 1
+    return a // common, b // common, c // common, s // common
