@@ -56,11 +56,11 @@ def test_key_depths_are_within_their_bound() -> None:
 
 def is_within(seen: View, eye: hs.Eye, number: int, entry: dict[str, float], row: int, column: int) -> bool:
     """Check a sample of a triangle, if it covers it."""
-    _, facets = facets_at(seen, np.array([number], np.int32))
+    _, (facet,) = facets_at(seen, np.array([number], np.int32))
     p = [2 * column + 1 - seen.width, seen.height - 1 - 2 * row, 1]
-    if min(facets.inside[0] @ p) < 0:
+    if min(np.array(facet.inside, object) @ p) < 0:
         return False
-    above, below = facets.depth[0] @ p
+    above, below = np.array(facet.depth, object) @ p
     exact = hs.FRONT + (Fraction(float(eye.front)) - Fraction(int(below), int(above))) * Fraction(
         float(eye.scale)
     )

@@ -24,7 +24,7 @@ from math import isqrt
 import numpy as np
 from flint import Ordering, fmpz_mpoly, fmpz_mpoly_ctx
 
-from hsr.algorithms.resolve.frame import Frame
+from hsr.algorithms.resolve.frame import Frame, Matrix
 from hsr.arrays import Array
 from hsr.scene.shapes import Kind
 from hsr.viewing import Placement
@@ -82,7 +82,7 @@ class Root:
         return of_first * sign_with_root(squared, 2 * u * v, self.r)
 
 
-def root_on_plane(plane: list[int], perspective: bool, i: int, j: int) -> Root:
+def root_on_plane(plane: tuple[int, int, int, int], perspective: bool, i: int, j: int) -> Root:
     """Return the parameter where a line of sight meets a plane (A, B, C, S), see ``Facet.plane``."""
     function, scale = germ(plane[:3], i, j), GERMS.constant(plane[3])
     p, s = (scale, -function) if perspective else (function, scale)
@@ -99,7 +99,8 @@ class Line:
     scale : int
         Positive.
     depth_origin, depth_step : germ
-        The depth at t is (depth_origin + t depth_step) / scale, times ``Frame.unit``.
+    depth_scale : int
+        The depth at t is (depth_origin + t depth_step) / depth_scale, times ``Frame.unit``.
     """
 
     origin: list[fmpz_mpoly]
@@ -107,6 +108,7 @@ class Line:
     scale: int
     depth_origin: fmpz_mpoly
     depth_step: fmpz_mpoly
+    depth_scale: int
 
     def quadratic(self, axes: slice) -> tuple[fmpz_mpoly, fmpz_mpoly, fmpz_mpoly]:
         """Return a, b, c of the squared distance from the origin along some axes, less 1, times scale^2."""
@@ -116,12 +118,12 @@ class Line:
     def between(self, limits: Sequence[int], t: Root) -> bool:
         """Tell whether a point is between near and far, both closed; then it is in front of the eye."""
         return all(
-            t.sign_of(way * self.depth_step, way * (self.depth_origin - limit * self.scale)) >= 0
+            t.sign_of(way * self.depth_step, way * (self.depth_origin - limit * self.depth_scale)) >= 0
             for way, limit in zip((1, -1), limits, strict=False)
         )
 
 
-def _dot(a: list[fmpz_mpoly], b: list[fmpz_mpoly]) -> fmpz_mpoly:
+def _dot(a: Sequence[fmpz_mpoly], b: Sequence[fmpz_mpoly | int]) -> fmpz_mpoly:
     return sum((x * y for x, y in zip(a, b, strict=True)), ZERO)
 
 
@@ -215,7 +217,7 @@ class Hit:
         t, line = self.t, self.line
         p = _constant(line.depth_origin * t.s + line.depth_step * t.p)
         q = _constant(line.depth_step) * t.q
-        return rounded(p, q, _constant(t.r), _constant(t.s) * line.scale * unit)
+        return rounded(p, q, _constant(t.r), _constant(t.s) * line.depth_scale * unit)
 
     def __lt__(self, other: Hit) -> bool:
         """Tell whether this hit hides the other, or coincides with it and is of the lower face."""
@@ -238,8 +240,8 @@ class CurvedPiece:
     origin, step : (3, 3) object
         Affine functions (A, B, C) of a sample's place; see :class:`Line`.
     scale : int
-    depth_row : list of 4 int
-        Depth of a point (x, y, z, 1) of the object, times ``frame.unit``.
+    matrix : Matrix
+        See :meth:`Frame.matrix`.
     """
 
     frame: Frame
@@ -249,13 +251,14 @@ class CurvedPiece:
     origin: Array
     step: Array
     scale: int
-    depth_row: list[int]
+    matrix: Matrix
 
     def line(self, i: int, j: int) -> Line:
         """Return the line of sight of a place."""
         origin, step = ([germ(row, i, j) for row in rows] for rows in (self.origin, self.step))
-        row, constant = self.depth_row[:3], self.depth_row[3]
-        return Line(origin, step, self.scale, _dot(origin, row) + constant * self.scale, _dot(step, row))
+        *row, constant = self.matrix[3]
+        depth = _dot(origin, row) + constant * self.scale, _dot(step, row)
+        return Line(origin, step, self.scale, *depth, self.scale * self.matrix[4][3])
 
     def hits(self, i: int, j: int) -> Iterator[Hit]:
         """Yield the hits in the limit that are visible but for other faces."""
@@ -266,26 +269,25 @@ class CurvedPiece:
                 yield Hit(self.face, t, line)
 
 
-def curved_piece(frame: Frame, thing: int, placement: Placement, part: int) -> CurvedPiece:
+def curved_piece(frame: Frame, placement: Placement, part: int) -> CurvedPiece:
     """Set up one face of a sphere or cylinder.
 
     Parameters
     ----------
     frame : Frame
-    thing : int
-        Index of the object.
     placement : Placement
+        The object.
     part : int
         Index of the face within the object.
     """
-    origin, step, scale = (numbers[0] for numbers in sights_of(frame, [thing]))
+    matrix = frame.matrix(placement)
+    origin, step, scale = (numbers[0] for numbers in sights_of(frame, np.array([matrix], object)))
     meet = SURFACES[placement.shape.kind][part]
-    face = placement.first + part
-    return CurvedPiece(frame, face, placement.cull, meet, origin, step, scale, frame.matrices[thing][3])
+    return CurvedPiece(frame, placement.first + part, placement.cull, meet, origin, step, scale, matrix)
 
 
-def sights_of(frame: Frame, things: list[int]) -> tuple[Array, Array, Array]:
-    """Carry the lines of sight into the spaces of n objects.
+def sights_of(frame: Frame, matrix: Array) -> tuple[Array, Array, Array]:
+    """Carry the lines of sight into the spaces of objects of some matrices (n, 5, 4), see ``Frame.matrix``.
 
     Returns
     -------
@@ -294,17 +296,18 @@ def sights_of(frame: Frame, things: list[int]) -> tuple[Array, Array, Array]:
     scale : (n,) object
         Positive.
     """
-    matrix = np.array([frame.matrices[thing] for thing in things], object)
     rows = matrix[:, [0, 1, 2 if frame.perspective else 3]]
     x, y, z = np.moveaxis(rows[..., :3], 1, 0)
     adjugate = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=2)
     scale = (x * adjugate[..., 0]).sum(axis=1)
-    # The point p of the line has rows . (p, 1) = w (i, j, 1) or, in a parallel view, (i w, j w, depth).
-    fixed, none, w = -(adjugate @ rows[..., 3:])[..., 0], np.zeros((len(things), 3), object), matrix[:, 2, 3:]
+    # The point p of the line has rows . (p, 1) = (i, j, 1) w or, in a parallel view, (i w, j w, depth); t is
+    # w or depth but for the object's own power of two.
+    fixed, none = -(adjugate @ rows[..., 3:])[..., 0], np.zeros((len(matrix), 3), object)
+    w, along = matrix[:, 2, 3:], adjugate * matrix[:, 4, 3:, None]
     if frame.perspective:
-        origin, step = np.stack([none, none, fixed], axis=2), adjugate
+        origin, step = np.stack([none, none, fixed], axis=2), along
     else:
         origin = np.stack([w * adjugate[..., 0], w * adjugate[..., 1], fixed], axis=2)
-        step = np.stack([none, none, adjugate[..., 2]], axis=2)
+        step = np.stack([none, none, along[..., 2]], axis=2)
     way = np.where(scale > 0, 1, -1).astype(object)
     return way[:, None, None] * origin, way[:, None, None] * step, way * scale

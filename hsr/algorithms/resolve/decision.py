@@ -5,29 +5,28 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache, partial
-from itertools import groupby
+from functools import partial
+from itertools import accumulate, groupby, pairwise, repeat
 from math import inf
-from operator import itemgetter
-from typing import cast
+from typing import NamedTuple, TypeVar, cast
 
 import numpy as np
 
 from hsr.algorithms.resolve.curved import CurvedPiece, Hit, curved_piece, root_on_plane, sights_of
 from hsr.algorithms.resolve.facets import Corner, Facet, corner_of, facet_of
-from hsr.algorithms.resolve.frame import Frame, frame_of
+from hsr.algorithms.resolve.frame import Frame, Matrix, frame_of
 from hsr.arrays import Array, Bools, Floats, Ints
 from hsr.scene.shapes import Polygons
 from hsr.viewing import Placement, View
 from hsr.visibility import BACKGROUND
 
-CHUNK = 2**17
-"""Candidates turned to Python's numbers at a time: each takes some hundred bytes."""
+CHUNK = 2**16
+"""Samples decided at a time: each takes some hundred bytes as Python's numbers."""
 
 KEPT = 2**15
-"""Pieces, and corners of pieces, that are kept: each takes up to some 3 kB."""
+"""Pieces, or corners of pieces, that are kept: each takes up to some 3 kB."""
 
-OWNER = np.dtype([("sample", np.int64), ("face", np.int32), ("depth", np.float64)])
+OWNER = np.dtype([("face", np.int32), ("depth", np.float64)])
 """Who owns a sample, and how deep."""
 
 
@@ -66,8 +65,11 @@ def first_pieces(view: View) -> Array:
     (objects + 1,) int64
         The first piece of each object, in the order of ``view.placements``, and the number of pieces.
     """
-    counts = [_piece_count(placement) for placement in view.placements]
-    return np.cumsum([0, *counts], dtype=np.int64)
+    return np.array(_starts(view), np.int64)
+
+
+def _starts(view: View) -> list[int]:
+    return list(accumulate(map(_piece_count, view.placements), initial=0))
 
 
 def _piece_count(placement: Placement) -> int:
@@ -99,11 +101,14 @@ def resolve(view: View, sample: Array, piece: Ints, sure: Bools) -> Resolved:
     """
     if len(sample) == 0:
         return Resolved(np.zeros(0, np.int64), np.zeros(0, np.int32), np.zeros(0))
-    order = np.argsort(sample, kind="stable")
-    frame, piece_of = _pieces_of(view, piece)
-    candidates = _candidates(sample[order], piece[order], sure[order])
-    found = np.fromiter(_owners(frame, piece_of, candidates), OWNER)
-    return Resolved(found["sample"], found["face"], found["depth"])
+    order = sample.argsort(kind="stable")
+    sample = sample[order].astype(np.int64)
+    first = np.concatenate([[0], 1 + np.flatnonzero(sample[1:] != sample[:-1])])
+    candidates = Candidates(sample[first], first, piece[order], sure[order])
+    frame = frame_of(view)
+    owners = _owners(frame, _pieces_of(view, frame), _spans(frame, candidates))
+    found = np.fromiter(owners, OWNER, len(first))
+    return Resolved(candidates.sample, found["face"], found["depth"])
 
 
 def facets_at(view: View, piece: Ints) -> tuple[Frame, list[Facet]]:
@@ -112,7 +117,7 @@ def facets_at(view: View, piece: Ints) -> tuple[Frame, list[Facet]]:
     Parameters
     ----------
     view : View
-    piece : (n,) int, at least one
+    piece : (n,) int
 
     Returns
     -------
@@ -120,8 +125,9 @@ def facets_at(view: View, piece: Ints) -> tuple[Frame, list[Facet]]:
         The integers in which the view is measured.
     facets : list of n Facet
     """
-    frame, piece_of = _pieces_of(view, piece)
-    return frame, [cast(Facet, piece_of(number)) for number in piece.tolist()]
+    frame = frame_of(view)
+    pieces = _pieces_of(view, frame)
+    return frame, [cast(Facet, pieces[number]) for number in piece.tolist()]
 
 
 def sights_at(view: View, things: Array) -> tuple[Frame, Array, Array, Array]:
@@ -131,7 +137,7 @@ def sights_at(view: View, things: Array) -> tuple[Frame, Array, Array, Array]:
     ----------
     view : View
     things : (n,) int64
-        Indices of objects, each once.
+        Indices of objects.
 
     Returns
     -------
@@ -140,44 +146,59 @@ def sights_at(view: View, things: Array) -> tuple[Frame, Array, Array, Array]:
     origin, step, scale
         See :func:`hsr.algorithms.resolve.curved.sights_of`.
     """
-    frame = frame_of(view, things.tolist())
-    return frame, *sights_of(frame, things.tolist())
+    frame = frame_of(view)
+    matrices = [frame.matrix(view.placements[thing]) for thing in things.tolist()]
+    return frame, *sights_of(frame, np.array(matrices, object))
 
 
 # ---------------------------------------------------------------- the pieces
 
 Piece = Facet | CurvedPiece
+Key = TypeVar("Key")
+Value = TypeVar("Value")
 
 
-def _pieces_of(view: View, piece: Ints) -> tuple[Frame, Callable[[int], Piece]]:
-    """Return the frame of the objects of some pieces (n,), and what sets up each piece when first asked."""
-    starts = first_pieces(view)
-    things = np.flatnonzero(np.bincount(np.searchsorted(starts, piece, side="right") - 1))
-    frame = frame_of(view, things.tolist())
-    corner = lru_cache(KEPT)(partial(_corner, view, frame))
-    return frame, lru_cache(KEPT)(partial(_piece, view, frame, starts.tolist(), corner))
+class Kept(dict[Key, Value]):
+    """What a function makes of what it is given, made when first asked for and kept while there is room."""
+
+    def __init__(self, make: Callable[[Key], Value]):
+        self.make = make
+
+    def __missing__(self, key: Key) -> Value:
+        if len(self) >= KEPT:
+            self.clear()
+        made = self[key] = self.make(key)
+        return made
 
 
-def _corner(view: View, frame: Frame, thing: int, vertex: int) -> Corner:
+def _pieces_of(view: View, frame: Frame) -> Kept[int, Piece]:
+    """Return the pieces of a view."""
+    matrices: Kept[int, Matrix] = Kept(lambda thing: frame.matrix(view.placements[thing]))
+    corners = Kept(partial(_corner, view, matrices))
+    return Kept(partial(_piece, view, frame, _starts(view), corners))
+
+
+def _corner(view: View, matrices: Kept[int, Matrix], which: tuple[int, int]) -> Corner:
+    thing, vertex = which
     polygons = view.placements[thing].shape.polygons
     assert polygons is not None, "spheres and cylinders have no vertices"
-    return corner_of(frame.matrices[thing], polygons.vertices[vertex].tolist())
+    return corner_of(matrices[thing], polygons.vertices[vertex].tolist())
 
 
 def _piece(
-    view: View, frame: Frame, starts: list[int], corner: Callable[[int, int], Corner], number: int
+    view: View, frame: Frame, starts: list[int], corners: Kept[tuple[int, int], Corner], number: int
 ) -> Piece:
     """Set up a piece; those of each object begin at ``starts``."""
     thing = bisect_right(starts, number) - 1
     placement, part = view.placements[thing], number - starts[thing]
     polygons = placement.shape.polygons
     if polygons is None:
-        return curved_piece(frame, thing, placement, part)
+        return curved_piece(frame, placement, part)
     if placement.mirrored:
         part = _turned(polygons, part)
     face = placement.first + int(polygons.face[polygons.triangle_polygon[part]])
     a, b, c = polygons.triangle_vertex[part].tolist()
-    return facet_of(frame, placement, face, (corner(thing, a), corner(thing, b), corner(thing, c)))
+    return facet_of(frame, placement, face, (corners[thing, a], corners[thing, b], corners[thing, c]))
 
 
 def _turned(polygons: Polygons, triangle: int) -> int:
@@ -192,37 +213,103 @@ def _turned(polygons: Polygons, triangle: int) -> int:
 
 # ---------------------------------------------------------------- the owners
 
-Candidate = tuple[int, int, bool]
-"""A sample, the number of a piece that may own it, and whether that is sure."""
+
+class Candidates(NamedTuple):
+    """Pieces that may own samples, sample after sample.
+
+    Attributes
+    ----------
+    sample : (n,) int64
+    first : (n,) int64
+        First candidate of each sample.
+    piece : (m,) int32
+    sure : (m,) bool
+    """
+
+    sample: Array
+    first: Array
+    piece: Ints
+    sure: Bools
 
 
-def _candidates(sample: Array, piece: Ints, sure: Bools) -> Iterator[Candidate]:
-    """Yield the candidates (m,), turned to Python's numbers in chunks."""
+class Span(NamedTuple):
+    """Samples side by side in a row that have the same candidates.
+
+    Attributes
+    ----------
+    row, column : int
+        Of the first sample.
+    length : int
+    pieces : list of int
+    sure : list of bool
+    """
+
+    row: int
+    column: int
+    length: int
+    pieces: list[int]
+    sure: list[bool]
+
+
+def _spans(frame: Frame, candidates: Candidates) -> Iterator[Span]:
+    """Gather the samples in spans, none of which goes beyond a chunk."""
+    sample, first, piece, sure = candidates
+    ends = np.append(first, len(piece))
     for low in range(0, len(sample), CHUNK):
-        run = slice(low, low + CHUNK)
-        yield from zip(sample[run].tolist(), piece[run].tolist(), sure[run].tolist(), strict=True)
+        rows, columns = np.divmod(sample[low : low + CHUNK], frame.width)
+        # Along a span, the column grows as the number of the sample does.
+        starts = columns - np.arange(len(columns))
+        own = ends[low : low + CHUNK + 1]
+        run = slice(own[0], own[-1])
+        numbers, certain, bounds = piece[run].tolist(), sure[run].tolist(), (own - own[0]).tolist()
+        asked = (
+            (row, start, numbers[a:b], certain[a:b])
+            for row, start, (a, b) in zip(rows.tolist(), starts.tolist(), pairwise(bounds), strict=True)
+        )
+        done = 0
+        for (row, start, *question), alike in groupby(asked):
+            length = sum(1 for _ in alike)
+            yield Span(row, start + done, length, *question)
+            done += length
 
 
-def _owners(
-    frame: Frame, piece_of: Callable[[int], Piece], candidates: Iterator[Candidate]
-) -> Iterator[tuple[int, int, float]]:
-    """Yield each sample, its owner and its depth."""
-    for sample, run in groupby(candidates, key=itemgetter(0)):
-        i, j = frame.place(sample)
-        owner, curved = None, []
-        for _, number, sure in run:
-            piece = piece_of(number)
-            if isinstance(piece, CurvedPiece):
-                curved.append(piece)
-            elif (owner is None or piece.hides(owner, i, j)) and (sure or piece.covers(i, j)):
-                owner = piece
-        hit = _first_hit(frame, curved, owner, i, j) if curved else None
-        if hit is not None:
-            yield sample, hit.face, hit.depth(frame.unit)
-        elif owner is not None:
-            yield sample, owner.face, owner.depth_at(i, j)
+def _owners(frame: Frame, pieces: Kept[int, Piece], spans: Iterator[Span]) -> Iterator[tuple[int, float]]:
+    """Yield the owner of each sample, and its depth."""
+    for row, column, length, numbers, sure in spans:
+        i, j = frame.place(row, column)
+        asked = [pieces[number] for number in numbers]
+        facet = _settled(asked) if all(sure) else None
+        if facet is not None:
+            yield from zip(repeat(facet.face), facet.depths(i, j, length))
         else:
-            yield sample, BACKGROUND, inf
+            yield from (_owner(frame, asked, sure, i + 2 * k, j) for k in range(length))
+
+
+def _settled(asked: list[Piece]) -> Facet | None:
+    """Return the owner wherever all these cover a sample, if they are of one plane."""
+    owner: Facet | None = None
+    for piece in asked:
+        if isinstance(piece, CurvedPiece) or (owner is not None and owner.plane != piece.plane):
+            return None
+        if owner is None or piece.face < owner.face:
+            owner = piece
+    return owner
+
+
+def _owner(frame: Frame, asked: list[Piece], sure: list[bool], i: int, j: int) -> tuple[int, float]:
+    """Return which of some pieces owns a place, and its depth."""
+    owner, curved = None, []
+    for piece, certain in zip(asked, sure, strict=True):
+        if isinstance(piece, CurvedPiece):
+            curved.append(piece)
+        elif (owner is None or piece.hides(owner, i, j)) and (certain or piece.covers(i, j)):
+            owner = piece
+    hit = _first_hit(frame, curved, owner, i, j) if curved else None
+    if hit is not None:
+        return hit.face, hit.depth(frame.unit)
+    if owner is not None:
+        return owner.face, next(owner.depths(i, j, 1))
+    return BACKGROUND, inf
 
 
 def _first_hit(frame: Frame, curved: list[CurvedPiece], facet: Facet | None, i: int, j: int) -> Hit | None:

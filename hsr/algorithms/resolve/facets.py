@@ -8,6 +8,7 @@ the determinant's. Other affine functions on the triangle are combinations of th
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import gcd
 from typing import NamedTuple
 
@@ -18,7 +19,7 @@ Affine = tuple[int, int, int]
 """An affine function (A, B, C) of a sample's place: A i + B j + C."""
 
 Corner = tuple[int, int, int, int, int]
-"""A corner (i w, j w, w, depth, 1) in integers, the first four times ``Frame.unit``."""
+"""A corner (i w, j w, w, depth, 1), the first four times ``Frame.unit``, and all times a power of two."""
 
 
 class Facet(NamedTuple):
@@ -63,20 +64,23 @@ class Facet(NamedTuple):
         order = right * i + up * j + constant * other_scale - other_constant * scale
         return order < 0 or (order == 0 and (right < 0 or (right == 0 and up > 0)))
 
-    def depth_at(self, i: int, j: int) -> float:
-        """Return the depth at a place, correctly rounded as integer division is."""
+    def depths(self, i: int, j: int, count: int) -> Iterator[float]:
+        """Yield the depths from a place on to the right, correctly rounded as integer division is."""
         (a, b, c), (right, up, constant) = self.depth
-        return (a * i + b * j + c) / (right * i + up * j + constant)
+        above, below = a * i + b * j + c, right * i + up * j + constant
+        for _ in range(count):
+            yield above / below
+            above, below = above + 2 * a, below + 2 * right
 
 
 # ---------------------------------------------------------------- setting up
 
 
 def corner_of(matrix: Matrix, point: list[float]) -> Corner:
-    """Carry a point (x, y, z) of an object to the screen by its matrix."""
+    """Carry a point (x, y, z) of an object to the screen by its matrix, see :meth:`Frame.matrix`."""
     (x, y, z), h = integers(point)
-    i, j, w, depth = (a * x + b * y + c * z + d * h for a, b, c, d in matrix)
-    return i, j, w, depth, h
+    i, j, w, depth, one = [a * x + b * y + c * z + d * h for a, b, c, d in matrix]
+    return i, j, w, depth, one
 
 
 def facet_of(frame: Frame, placement: Placement, face: int, corners: tuple[Corner, Corner, Corner]) -> Facet:
@@ -103,7 +107,8 @@ def facet_of(frame: Frame, placement: Placement, face: int, corners: tuple[Corne
     one = _combined(a[4], b[4], c[4], edges)
     near, *far = frame.limits
     inside = (*edges, _sum(1, depth, -near, one), *(_sum(-1, depth, limit, one) for limit in far))
-    return Facet(face, drawn, inside, _plane(frame, turn, depth, one), (depth, (frame.unit * one[0], frame.unit * one[1], frame.unit * one[2])))
+    plane, unit = _plane(frame, turn, depth, one), frame.unit
+    return Facet(face, drawn, inside, plane, (depth, (unit * one[0], unit * one[1], unit * one[2])))
 
 
 def _turn(a: Corner, b: Corner, c: Corner) -> int:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import isfinite
 from operator import mul
 
-from hsr.viewing import View
+from hsr.viewing import Placement, View
 
 Matrix = list[list[int]]
-"""4 rows of 4."""
+"""Rows of 4."""
 
 
 def integers(numbers: Iterable[float]) -> tuple[list[int], int]:
@@ -30,9 +30,9 @@ class Frame:
     ----------
     width, height : int
     perspective : bool
-    matrices : dict of int to Matrix
-        Carry a point (x, y, z, 1) of each object to (i w, j w, w, depth), w the one of clip space.
-    limits : tuple of int
+    clip : Matrix
+        Carries a point (x, y, z, 1) of the world to (i w, j w, w, depth), w the one of clip space.
+    limits : list of int
         Depths of the near plane and, unless it is infinite, of the far plane.
     unit : int
     """
@@ -40,32 +40,30 @@ class Frame:
     width: int
     height: int
     perspective: bool
-    matrices: dict[int, Matrix]
-    limits: tuple[int, ...]
+    clip: Matrix
+    limits: list[int]
     unit: int
 
-    def place(self, sample: int) -> tuple[int, int]:
-        """Return the place of a sample ``row * W + column``."""
-        row, column = divmod(sample, self.width)
+    def place(self, row: int, column: int) -> tuple[int, int]:
+        """Return the place of a sample."""
         return 2 * column + 1 - self.width, self.height - 1 - 2 * row
 
+    def matrix(self, placement: Placement) -> Matrix:
+        """Return what carries a point (x, y, z, 1) of an object to (i w, j w, w, depth) and to 1.
 
-def frame_of(view: View, things: list[int]) -> Frame:
-    """Scale a view to integers, with the matrices of some of its objects."""
+        The 5 rows are integers once more times a power of two, which is the last number.
+        """
+        world, unit = integers(placement.world_from_object.ravel().tolist())
+        columns = [world[k::4] for k in range(4)]
+        rows = [[sum(map(mul, row, column)) for column in columns] for row in self.clip]
+        return [*rows, [0, 0, 0, unit]]
+
+
+def frame_of(view: View) -> Frame:
+    """Scale a view to integers."""
     across, up, _, w = view.clip_from_world.tolist()
-    planes = [view.near, view.far] if math.isfinite(view.far) else [view.near]
-    camera, camera_unit = integers([*across, *up, *w, *view.depth_row.tolist(), *planes])
+    planes = [view.near, view.far] if isfinite(view.far) else [view.near]
+    camera, unit = integers([*across, *up, *w, *view.depth_row.tolist(), *planes])
     across, up, w, depth = (camera[k : k + 4] for k in range(0, 16, 4))
     clip = [[view.width * a for a in across], [view.height * a for a in up], w, depth]
-
-    worlds = [view.placements[thing].world_from_object.ravel().tolist() for thing in things]
-    world, unit = integers([number for numbers in worlds for number in numbers])
-    matrices = {thing: _product(clip, world[16 * k : 16 * k + 16]) for k, thing in enumerate(things)}
-    limits = tuple(limit * unit for limit in camera[16:])
-    return Frame(view.width, view.height, view.perspective, matrices, limits, camera_unit * unit)
-
-
-def _product(clip: Matrix, world: list[int]) -> Matrix:
-    """Return the product of two matrices, the second one row after row."""
-    columns = [world[k::4] for k in range(4)]
-    return [[sum(map(mul, row, column)) for column in columns] for row in clip]
+    return Frame(view.width, view.height, view.perspective, clip, camera[16:], unit)
