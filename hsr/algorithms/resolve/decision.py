@@ -6,7 +6,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from itertools import accumulate, groupby, pairwise, repeat
+from itertools import accumulate, chain, groupby, repeat
 from math import inf
 from typing import NamedTuple, TypeVar, cast
 
@@ -103,11 +103,10 @@ def resolve(view: View, sample: Array, piece: Ints, sure: Bools) -> Resolved:
         return Resolved(np.zeros(0, np.int64), np.zeros(0, np.int32), np.zeros(0))
     order = sample.argsort(kind="stable")
     sample = sample[order].astype(np.int64)
-    first = np.concatenate([[0], 1 + np.flatnonzero(sample[1:] != sample[:-1])])
-    candidates = Candidates(sample[first], first, piece[order], sure[order])
+    first = np.flatnonzero(np.concatenate([[True], sample[1:] != sample[:-1], [True]]))
+    candidates = Candidates(sample[first[:-1]], first, piece[order], sure[order])
     frame = frame_of(view)
-    owners = _owners(frame, _pieces_of(view, frame), _spans(frame, candidates))
-    found = np.fromiter(owners, OWNER, len(first))
+    found = np.fromiter(_owners(frame, _pieces_of(view, frame), candidates), OWNER, len(candidates.sample))
     return Resolved(candidates.sample, found["face"], found["depth"])
 
 
@@ -220,8 +219,8 @@ class Candidates(NamedTuple):
     Attributes
     ----------
     sample : (n,) int64
-    first : (n,) int64
-        First candidate of each sample.
+    first : (n + 1,) int64
+        First candidate of each sample, and how many there are.
     piece : (m,) int32
     sure : (m,) bool
     """
@@ -251,36 +250,40 @@ class Span(NamedTuple):
     sure: list[bool]
 
 
-def _spans(frame: Frame, candidates: Candidates) -> Iterator[Span]:
-    """Gather the samples in spans, none of which goes beyond a chunk."""
+def _chunks(candidates: Candidates) -> Iterator[Candidates]:
+    """Cut into runs of CHUNK samples."""
     sample, first, piece, sure = candidates
-    ends = np.append(first, len(piece))
     for low in range(0, len(sample), CHUNK):
-        rows, columns = np.divmod(sample[low : low + CHUNK], frame.width)
-        # Along a span, the column grows as the number of the sample does.
-        starts = columns - np.arange(len(columns))
-        own = ends[low : low + CHUNK + 1]
+        own = first[low : low + CHUNK + 1]
         run = slice(own[0], own[-1])
-        numbers, certain, bounds = piece[run].tolist(), sure[run].tolist(), (own - own[0]).tolist()
-        asked = (
-            (row, start, numbers[a:b], certain[a:b])
-            for row, start, (a, b) in zip(rows.tolist(), starts.tolist(), pairwise(bounds), strict=True)
-        )
-        done = 0
-        for (row, start, *question), alike in groupby(asked):
-            length = sum(1 for _ in alike)
-            yield Span(row, start + done, length, *question)
-            done += length
+        yield Candidates(sample[low : low + CHUNK], own - own[0], piece[run], sure[run])
 
 
-def _owners(frame: Frame, pieces: Kept[int, Piece], spans: Iterator[Span]) -> Iterator[tuple[int, float]]:
+def _spans(frame: Frame, candidates: Candidates) -> Iterator[Span]:
+    """Gather samples in spans."""
+    row, column = np.divmod(candidates.sample, frame.width)
+    # Along a span the column grows as the index of the sample does.
+    origin, index = column - np.arange(len(column)), 0
+    pieces, sure, bounds = candidates.piece.tolist(), candidates.sure.tolist(), candidates.first.tolist()
+    asked = (
+        (y, x, pieces[low:high], sure[low:high])
+        for y, x, low, high in zip(row.tolist(), origin.tolist(), bounds, bounds[1:], strict=False)
+    )
+    for (y, x, *question), alike in groupby(asked):
+        length = sum(1 for _ in alike)
+        yield Span(y, x + index, length, *question)
+        index += length
+
+
+def _owners(frame: Frame, pieces: Kept[int, Piece], candidates: Candidates) -> Iterator[tuple[int, float]]:
     """Yield the owner of each sample, and its depth."""
+    spans = chain.from_iterable(_spans(frame, chunk) for chunk in _chunks(candidates))
     for row, column, length, numbers, sure in spans:
-        i, j = frame.place(row, column)
         asked = [pieces[number] for number in numbers]
+        i, j = frame.place(row, column)
         facet = _settled(asked) if all(sure) else None
         if facet is not None:
-            yield from zip(repeat(facet.face), facet.depths(i, j, length))
+            yield from zip(repeat(facet.face), facet.depths(i, j, length), strict=False)
         else:
             yield from (_owner(frame, asked, sure, i + 2 * k, j) for k in range(length))
 

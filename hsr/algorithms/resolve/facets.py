@@ -96,12 +96,12 @@ def facet_of(frame: Frame, placement: Placement, face: int, corners: tuple[Corne
         In the order of the fan, so clockwise on the screen if the front is seen of a mirrored object.
     """
     a, b, c = corners
-    turn = _turn(a, b, c)
+    edges = _cross(b, c), _cross(c, a), _cross(a, b)
+    turn = a[0] * edges[0][0] + a[1] * edges[0][1] + a[2] * edges[0][2]
     front = (turn > 0) != placement.mirrored
     drawn = turn != 0 and placement.cull != (2 if front else 1)
     if turn < 0:
-        turn, b, c = -turn, c, b
-    edges = _cross(b, c), _cross(c, a), _cross(a, b)
+        turn, edges = -turn, (_negative(edges[0]), _negative(edges[1]), _negative(edges[2]))
 
     depth = _combined(a[3], b[3], c[3], edges)
     one = _combined(a[4], b[4], c[4], edges)
@@ -111,16 +111,15 @@ def facet_of(frame: Frame, placement: Placement, face: int, corners: tuple[Corne
     return Facet(face, drawn, inside, plane, (depth, (unit * one[0], unit * one[1], unit * one[2])))
 
 
-def _turn(a: Corner, b: Corner, c: Corner) -> int:
-    """Return the determinant of three corners: positive if they run counter-clockwise on the screen."""
-    x, y, z = _cross(b, c)
-    return a[0] * x + a[1] * y + a[2] * z
-
-
 def _cross(a: Corner, b: Corner) -> Affine:
     ax, ay, az, _, _ = a
     bx, by, bz, _, _ = b
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+
+
+def _negative(function: Affine) -> Affine:
+    x, y, z = function
+    return -x, -y, -z
 
 
 def _combined(p: int, q: int, r: int, edges: tuple[Affine, Affine, Affine]) -> Affine:
