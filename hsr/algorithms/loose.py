@@ -61,10 +61,9 @@ def loose_tables(view: View, clip: Floats, piece: Ints, number: Array, eye: Eye)
     crossed = np.flatnonzero((box[:, 0] < box[:, 1]) & (box[:, 2] < box[:, 3]))
     if not len(crossed):
         return np.empty((0, TABLE))
-    chosen = crossed[np.argsort(piece[crossed])]
-    columns = _columns(view, piece[chosen], box[chosen], eye)
-    columns[hs.NUMBER // CLUSTER] = number[chosen]
-    tables = np.zeros((-(-len(chosen) // CLUSTER), TABLE // CLUSTER, CLUSTER))
+    columns = _columns(view, piece[crossed], box[crossed], eye)
+    columns[hs.NUMBER // CLUSTER] = number[crossed]
+    tables = np.zeros((-(-len(crossed) // CLUSTER), TABLE // CLUSTER, CLUSTER))
     for t in range(len(tables)):
         part = columns[:, t * CLUSTER : (t + 1) * CLUSTER]
         tables[t, :, : part.shape[1]] = part

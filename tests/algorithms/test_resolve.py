@@ -99,11 +99,30 @@ def test_what_is_sure_is_not_asked_again() -> None:
     assert resolve(view_, sample, piece, np.array([True, True])).face.tolist() == [0, 0]
 
 
+@pytest.mark.parametrize("camera", [LOOKING_DOWN, {"type": "perspective", "eye": [0.0, 0.0, 3.0]}])
+def test_what_is_sure_all_along_a_row_is_as_if_it_were_not(camera: dict[str, Any]) -> None:
+    # Two triangles of one slanting plane cover the image; a third is before part of it.
+    corners = [[-90.0, -90.0, -45.0], [90.0, -90.0, 9.0], [0.0, 90.0, 18.0]]
+    slanting = {"shape": "mesh", "vertices": corners, "faces": [[0, 1, 2], [0, 1, 2]]}
+    view_ = view(scene([slanting, sheared(0.25, 0.5)], camera), (7, 4))
+    sample, piece = np.repeat(np.arange(28), 2), np.tile(np.array([1, 0], np.int32), 28)
+    # Some samples have a third candidate, which is not sure.
+    sample, piece = np.append(sample, [8, 9, 10, 20]), np.append(piece, np.full(4, 3, np.int32))
+    unsure = resolve(view_, sample, piece, np.zeros(60, bool))
+    sure = resolve(view_, sample, piece, piece < 2)
+    assert sure.sample.tolist() == list(range(28))
+    assert (sure.face[8], sure.face[10]) == (0, 2)
+    assert len(set(sure.depth.round(9))) > 7
+    assert (sure.face == unsure.face).all()
+    assert (sure.depth == unsure.depth).all()
+
+
 @pytest.mark.parametrize("shapes", [PLANAR, CURVED], ids=["planar", "curved"])
 def test_small_chunks_give_the_same_answer(shapes: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> None:
     view_ = hard_view(5, shapes)
     whole = everything(view_)
     monkeypatch.setattr(decision, "CHUNK", 7)
+    monkeypatch.setattr(decision, "KEPT", 2)
     cut = everything(view_)
     for column in ("sample", "face", "depth"):
         assert (getattr(whole, column) == getattr(cut, column)).all()

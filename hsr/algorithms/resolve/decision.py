@@ -20,7 +20,7 @@ from hsr.scene.shapes import Polygons
 from hsr.viewing import Placement, View
 from hsr.visibility import BACKGROUND
 
-CHUNK = 2**16
+CHUNK = 2**12
 """Samples decided at a time: each takes some hundred bytes as Python's numbers."""
 
 KEPT = 2**15

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from math import isfinite
-from operator import mul
 
 from hsr.viewing import Placement, View
 
@@ -54,8 +53,8 @@ class Frame:
         The 5 rows are integers once more times a power of two, which is the last number.
         """
         world, unit = integers(placement.world_from_object.ravel().tolist())
-        columns = [world[k::4] for k in range(4)]
-        rows = [[sum(map(mul, row, column)) for column in columns] for row in self.clip]
+        columns = list(zip(world[0:4], world[4:8], world[8:12], world[12:16], strict=True))
+        rows = [[a * x + b * y + c * z + d * w for x, y, z, w in columns] for a, b, c, d in self.clip]
         return [*rows, [0, 0, 0, unit]]
 
 
