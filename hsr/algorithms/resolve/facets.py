@@ -48,9 +48,8 @@ class Facet(NamedTuple):
     def covers(self, i: int, j: int) -> bool:
         """Tell whether it takes part at a place in the limit."""
         for right, up, constant in self.inside:
-            value = right * i + up * j + constant
             # A function that is 0 here has the sign of its growth to the right and then down.
-            if value < 0 or (value == 0 and (right < 0 or (right == 0 and up > 0))):
+            if (right * i + up * j + constant or right or -up) < 0:
                 return False
         return self.drawn
 
@@ -58,11 +57,9 @@ class Facet(NamedTuple):
         """Tell whether of the two, at a place in the limit, this one is nearer, or of the lower face."""
         if self.plane == other.plane:
             return self.face < other.face
-        right, up, constant, scale = self.plane
-        other_right, other_up, other_constant, other_scale = other.plane
-        right, up = right * other_scale - other_right * scale, up * other_scale - other_up * scale
-        order = right * i + up * j + constant * other_scale - other_constant * scale
-        return order < 0 or (order == 0 and (right < 0 or (right == 0 and up > 0)))
+        (a, b, c, s), (right, up, constant, scale) = self.plane, other.plane
+        order = (a * i + b * j + c) * scale - (right * i + up * j + constant) * s
+        return (order or a * scale - right * s or up * s - b * scale) < 0
 
     def depths(self, i: int, j: int, count: int) -> Iterator[float]:
         """Yield the depths from a place on to the right, correctly rounded as integer division is."""
