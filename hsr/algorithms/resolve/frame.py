@@ -14,9 +14,9 @@ Matrix = list[list[int]]
 
 def integers(numbers: Iterable[float]) -> tuple[list[int], int]:
     """Return finite numbers times the least power of two that makes all of them whole, and that power."""
-    ratios = [number.as_integer_ratio() for number in numbers]
-    unit = max(denominator for _, denominator in ratios)
-    return [numerator * (unit // denominator) for numerator, denominator in ratios], unit
+    above, below = zip(*[number.as_integer_ratio() for number in numbers], strict=True)
+    unit = max(below)
+    return [a * (unit // b) for a, b in zip(above, below, strict=True)], unit
 
 
 @dataclass(frozen=True, eq=False)
