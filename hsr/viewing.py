@@ -24,7 +24,7 @@ from hsr.scene.cameras import Projection, projection_of
 from hsr.scene.files import shape_of
 from hsr.scene.model import Camera, Light, Scene, exact_determinant
 from hsr.scene.shapes import MAX_FACES, Polygons, Shape, tessellated
-from hsr.scene.transforms import copies
+from hsr.scene.transforms import copies, placed
 
 MAX_SIDE = 16384
 """Largest image width and height: what OpenGL drivers take."""
@@ -317,7 +317,7 @@ def _in_world(placement: Placement) -> WorldPolygons:
         raise ViewError(f"object {placement.name!r} is curved; use view.tessellated()")
     matrix = placement.world_from_object
     with np.errstate(over="ignore", invalid="ignore"):
-        vertices = polygons.vertices @ matrix[:3, :3].T + matrix[:3, 3]
+        vertices = placed(polygons.vertices, matrix[:3])
     if not np.isfinite(vertices).all():
         raise ViewError(
             f"object {placement.name!r}: its vertices overflow float64 in world space; scale it down"

@@ -21,6 +21,7 @@ from hsr.arrays import Array, Floats, Ints
 from hsr.errors import MethodError, UnavailableError
 from hsr.jit import thread_count
 from hsr.kernels.packets import PACKET_SIDE, Sight
+from hsr.scene.transforms import placed
 from hsr.viewing import CULL, View, WorldPolygons
 from hsr.visibility import BACKGROUND, Clock, VisibilityMap, depth_format
 
@@ -124,8 +125,7 @@ def _facing_the_right_way(view: View, polygons: WorldPolygons) -> Array:
     cull = polygons.cull[polygons.triangle_polygon]
     if not cull.any():
         return np.arange(len(cull))
-    rows = view.clip_from_world[[0, 1, 3]]
-    projected = polygons.vertices @ rows[:, :3].T + rows[:, 3]
+    projected = placed(polygons.vertices, view.clip_from_world[[0, 1, 3]])
     facing = np.linalg.det(projected[polygons.triangle_vertex])
     shown = {CULL["none"]: np.ones(len(cull), bool), CULL["back"]: facing > 0, CULL["front"]: facing < 0}
     return np.flatnonzero(np.choose(cull, [shown[k] for k in range(3)]))

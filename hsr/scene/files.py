@@ -37,7 +37,7 @@ from hsr.scene.model import (
 from hsr.scene.polyhedra import convexity_problems
 from hsr.scene.problems import lines_of, nearest
 from hsr.scene.shapes import MAX_FACES, Kind, Polygons, Shape, generic
-from hsr.scene.transforms import compose
+from hsr.scene.transforms import compose, placed
 
 SCENES = (".toml", ".json")
 GLTF = (".glb", ".gltf")
@@ -345,5 +345,4 @@ def _world_corners(thing: Mesh, folder: Path) -> Floats:
     """World positions of the vertices that faces use."""
     polygons = cast(Polygons, _shape(thing, folder).polygons)
     used = polygons.vertices[np.unique(polygons.corner)]
-    matrix = compose(thing.transform)
-    return used @ matrix[:3, :3].T + matrix[:3, 3]
+    return placed(used, compose(thing.transform)[:3])

@@ -25,7 +25,7 @@ from hsr.errors import SceneError
 from hsr.scene.meshes import Faces, joined, reading
 from hsr.scene.model import Camera, Orthographic, Perspective, Step
 from hsr.scene.problems import lines_of
-from hsr.scene.transforms import compose
+from hsr.scene.transforms import compose, placed
 
 TRIANGLES, FAN, READ = 4, 6, (0, 1, 4, 5)
 """Modes of primitives: the default one, the one refused here, and those that trimesh reads."""
@@ -208,8 +208,7 @@ def _camera(table: dict[str, Any], name: str, steps: tuple[Step, ...]) -> Camera
 
 
 def _moved(faces: Faces, steps: tuple[Step, ...]) -> Faces:
-    matrix = compose(steps)
-    return faces._replace(vertices=faces.vertices @ matrix[:3, :3].T + matrix[:3, 3])
+    return faces._replace(vertices=placed(faces.vertices, compose(steps)[:3]))
 
 
 def unique(names: Sequence[str]) -> list[str]:

@@ -54,6 +54,26 @@ def _rounded(entry: arb) -> float:
     return 0.0 if entry.contains(0) else float(entry.mid())
 
 
+def placed(points: Floats, matrix: Floats) -> Floats:
+    """Return points moved by an affine matrix, each coordinate a sum of three products and an offset.
+
+    Not a matrix product: for many points that of BLAS takes threads, which go on spinning for some 20 ms
+    beside what comes next, and fused operations, which round otherwise on other processors.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+    matrix : (m, 4) float64
+        A row for each coordinate of the result.
+
+    Returns
+    -------
+    (n, m) float64
+    """
+    x, y, z = np.ascontiguousarray(points.T)
+    return np.stack([a * x + b * y + c * z + d for a, b, c, d in matrix], axis=1)
+
+
 def copies(thing: Object) -> Iterator[tuple[str, Floats]]:
     """Yield the name and ``world_from_object`` (4, 4) of every copy of an object.
 
