@@ -19,9 +19,6 @@ if "OMP_WAIT_POLICY" not in os.environ:
     os.environ.setdefault("GOMP_SPINCOUNT", "1000")
 
 import numba
-import numpy as np
-
-from hsr.arrays import Array
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -37,22 +34,17 @@ def jit(function: Function) -> Function:
     return cast(Function, numba.njit(cache=True, error_model="numpy", nogil=True)(function))
 
 
+def inline_jit(function: Function) -> Function:
+    """Compile a small kernel into each of its callers: passing arrays takes longer than some of them do."""
+    return cast(Function, numba.njit(cache=True, error_model="numpy", nogil=True, forceinline=True)(function))
+
+
 def parallel_jit(function: Function) -> Function:
-    """Compile a kernel whose ``prange`` loops run on all threads.
+    """Compile a kernel whose ``prange`` loops run on all threads, each of which takes one run of iterations.
 
     The result must not depend on how the iterations are shared out among the threads.
     """
     return cast(Function, numba.njit(cache=True, error_model="numpy", parallel=True)(function))
-
-
-def dealt(pieces: Array) -> Array:
-    """Deal pieces of work of unequal size (n, ...), the largest first, to the threads, to and fro.
-
-    Each thread takes one run of the iterations of a ``prange`` loop, all as long: in this order each holds
-    large and small pieces.
-    """
-    turn = np.arange(len(pieces)) % (2 * thread_count())
-    return pieces[np.argsort(np.minimum(turn, 2 * thread_count() - 1 - turn), kind="stable")]
 
 
 def forget_stale_kernels(package: Path) -> None:

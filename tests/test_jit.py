@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numba
 import numpy as np
 
-from hsr.jit import dealt, forget_stale_kernels, jit, parallel_jit, prange
+from hsr.jit import forget_stale_kernels, jit, parallel_jit, prange
 
 
 @jit
@@ -41,16 +40,6 @@ def test_division_by_zero_is_infinite() -> None:
 
 def test_parallel_loops() -> None:
     assert doubled(np.arange(5.0)).tolist() == [0.0, 2.0, 4.0, 6.0, 8.0]
-
-
-def test_pieces_are_dealt_to_and_fro() -> None:
-    """Each run of a thread holds large and small pieces."""
-    threads = numba.get_num_threads()
-    order = dealt(np.arange(4 * threads))
-    runs = order.reshape(threads, 4)
-    assert sorted(order) == list(range(4 * threads))
-    assert len(set(runs.sum(axis=1))) == 1
-    assert runs[0].tolist() == [0, 2 * threads - 1, 2 * threads, 4 * threads - 1]
 
 
 def test_a_changed_source_drops_all_cached_kernels(tmp_path: Path) -> None:

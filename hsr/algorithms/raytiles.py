@@ -21,11 +21,11 @@ import numpy as np
 from hsr.algorithms.curved import quadrics_of
 from hsr.algorithms.loose import loose_tables, loose_triangles
 from hsr.algorithms.resolve import first_pieces, resolve
-from hsr.algorithms.tiles import eye_between, format_of, number_bits
+from hsr.algorithms.tiles import NO_DOUBTS, format_of, number_bits
 from hsr.arrays import Array, Bools, Floats, Ints
-from hsr.jit import dealt
+from hsr.jit import thread_count
 from hsr.kernels import doubts, hierarchy, raytiles
-from hsr.kernels.halfspaces import CLUSTER, ERROR, LANES, LOOSE, SMALL, Eye, U
+from hsr.kernels.halfspaces import CLUSTER, ERROR, LANES, LOOSE, SIDE_BY_SIDE, SMALL, Eye, U, eye_between
 from hsr.kernels.projection import clip_rows, to_clip
 from hsr.kernels.raytiles import MEMBER, NO_QUADRIC, SHARE
 from hsr.kernels.tiles import CELL, COLUMNS, LINES, deal
@@ -39,7 +39,7 @@ LEAF = CLUSTER
 BATCH = 1 << 18
 """Vertices and nodes laid out on the screen together, or those of one object if it has more."""
 
-SHARE_OF_VERTICES, SHARE_OF_NODES = 2048, 64
+SHARE_OF_VERTICES, SHARE_OF_NODES = SIDE_BY_SIDE, 64
 """What one thread lays out at a time."""
 
 ROOM = 256
@@ -91,7 +91,7 @@ class Mesh(NamedTuple):
 
     Attributes
     ----------
-    vertices : (V, 3) float64, object space
+    vertices : (3, V) float64, object space
     corner : (n, 3) int32
         Counter-clockwise to the eye if seen from the front.
     number : (n,) int32
@@ -119,7 +119,7 @@ def mesh_of(shape: Shape, mirrored: bool) -> Mesh:
     """Build the hierarchy of a shape, once for all its instances and views."""
     if shape.polygons is None:
         corner, number, tree = (np.empty(size, np.int32) for size in ((0, 3), 0, (0, 2)))
-        return Mesh(np.empty((0, 3)), corner, number, tree, box_of(shape))
+        return Mesh(np.empty((3, 0)), corner, number, tree, box_of(shape))
     built = _meshes.setdefault(shape, {})
     if mirrored not in built:
         polygons, box = shape.polygons, box_of(shape)
@@ -127,7 +127,8 @@ def mesh_of(shape: Shape, mirrored: bool) -> Mesh:
             polygons = replace(polygons, corner=reversed_loops(polygons))
         number, tree = hierarchy.tree_of(polygons.vertices, polygons.triangle_vertex, box, LEAF)
         corner = np.take(polygons.triangle_vertex, number, axis=0)
-        built[mirrored] = Mesh(polygons.vertices, corner, number, tree, box)
+        vertices = np.ascontiguousarray(polygons.vertices.T)
+        built[mirrored] = Mesh(vertices, corner, number, tree, box)
     return built[mirrored]
 
 
@@ -174,7 +175,7 @@ class World(NamedTuple):
 
 def _world(view: View, meshes: dict[MeshKind, Mesh]) -> World:
     """Join the data of all meshes, and say of each object where its own is."""
-    sizes = np.array([[len(mesh.vertices), len(mesh.corner), len(mesh.tree)] for mesh in meshes.values()])
+    sizes = np.array([[mesh.vertices.shape[1], len(mesh.corner), len(mesh.tree)] for mesh in meshes.values()])
     described = np.zeros(len(meshes), MEMBER)
     described["vertices"], described["triangles"], described["nodes"] = sizes.T
     described["vertex"], described["triangle"], described["node"] = (np.cumsum(sizes, axis=0) - sizes).T
@@ -186,14 +187,15 @@ def _world(view: View, meshes: dict[MeshKind, Mesh]) -> World:
     members["cull"] = [placement.cull for placement in view.placements]
     members["piece"] = first_pieces(view)[:-1]
     members["quadric"] = NO_QUADRIC
-    *shapes, boxes = zip(*meshes.values(), strict=True)
-    vertices, corner, number, tree = (_joined(parts) for parts in shapes)
+    points, *shapes, boxes = zip(*meshes.values(), strict=True)
+    vertices = _joined(points, axis=1)
+    corner, number, tree = (_joined(parts) for parts in shapes)
     return World((vertices, corner, number, tree), members, np.array(boxes)[which], _faces(view))
 
 
-def _joined(parts: Sequence[Array]) -> Array:
+def _joined(parts: Sequence[Array], axis: int = 0) -> Array:
     """Concatenate arrays; a single one is not copied."""
-    return parts[0] if len(parts) == 1 else np.concatenate(parts)
+    return parts[0] if len(parts) == 1 else np.concatenate(parts, axis)
 
 
 def _faces(view: View) -> Ints:
@@ -238,7 +240,14 @@ def eye_of(view: View, world: World, rows: Floats) -> Eye:
     bound = (clip + SMALL) @ matrices + SMALL
     size = (bound[:, :, :3] @ abs(world.box).max(axis=1)[:, :, None])[:, :, 0] + bound[:, :, 3]
     least, most = _depths(world, rows)
-    return eye_between(view, 16.0 * U * size.max(axis=0), least.min(), most.max())
+    error_x, error_y, error_d = (16.0 * U * size.max(axis=0)).tolist()
+    return eye_between(
+        view.perspective,
+        (float(view.width), float(view.height)),
+        (error_x, error_y, error_d),
+        (view.near, view.far),
+        (float(least.min()), float(most.max())),
+    )
 
 
 def _depths(world: World, rows: Floats) -> tuple[Floats, Floats]:
@@ -284,7 +293,7 @@ def _cast(caster: Caster, room: Room) -> tuple[Array, Array]:
     order = np.argsort(extent[:, 4], kind="stable")
     batches = list(_batches(order[seen[order]], members))
     kept = _kept(caster.view) if len(batches) > 1 else None
-    found, total = [np.empty(0, doubts.DOUBT)], np.zeros(raytiles.COUNTS, np.int64)
+    found, total = [NO_DOUBTS], np.zeros(raytiles.COUNTS, np.int64)
     for chosen in batches:
         if kept is not None:
             chosen = chosen[raytiles.may_show(extent[chosen], _gap(caster), kept[1])]
@@ -371,7 +380,7 @@ def _own(world: World, member: Array) -> tuple[Floats, Ints, Ints]:
     vertices, corner, number, _ = world.shapes
     vertex = slice(member["vertex"], member["vertex"] + member["vertices"])
     triangle = slice(member["triangle"], member["triangle"] + member["triangles"])
-    return vertices[vertex], corner[triangle], number[triangle]
+    return vertices[:, vertex].T, corner[triangle], number[triangle]
 
 
 def _cast_batch(
@@ -379,20 +388,20 @@ def _cast_batch(
 ) -> Iterator[tuple[Array, Array]]:
     """Cast all rays into a batch that is laid out; yield doubts and counts of tiles."""
     extent, loose = laid[1], special[1]
-    listed, todo = deal(extent, np.arange(len(extent)), caster.view.width, caster.view.height)
+    listed, todo = deal(extent, caster.view.width, caster.view.height, thread_count())
     todo = todo[(len(loose) > 0) | (todo[:, 2] < todo[:, 3])]
     shapes, eye, image, room = caster.world.shapes, caster.eye, caster.image, ROOM
     while len(todo):
-        todo = dealt(todo)
         counts = np.zeros((len(todo), raytiles.COUNTS), np.int64)
         noted = np.empty((len(todo), room), doubts.DOUBT) if caster.certified else None
         raytiles.cast(shapes, laid, special, listed, todo, eye, kept, image, noted, counts)
-        used = counts[:, doubts.USED]
-        done = used <= room
-        parts = [] if noted is None else [noted[k, : used[k]] for k in np.flatnonzero(done & (used > 0))]
-        yield np.concatenate([np.empty(0, doubts.DOUBT), *parts]), counts[done].sum(axis=0)
+        used = counts[:, doubts.USED].tolist()
+        parts = [] if noted is None else [noted[k, :n] for k, n in enumerate(used) if 0 < n <= room]
+        again = [k for k, n in enumerate(used) if n > room]
+        counts[again] = 0
+        yield np.concatenate([NO_DOUBTS, *parts]), counts.sum(axis=0)
         # Settling a tile at most doubles its doubts.
-        todo, room = todo[~done], 2 * int(used.max())
+        todo, room = todo[again], 2 * max(used)
 
 
 # ---------------------------------------------------------------- what is in doubt

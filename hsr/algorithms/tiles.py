@@ -23,9 +23,9 @@ import numpy as np
 from hsr.algorithms.loose import loose_tables, loose_triangles
 from hsr.algorithms.resolve import resolve
 from hsr.arrays import Array, Floats, Ints
-from hsr.jit import dealt
+from hsr.jit import thread_count
 from hsr.kernels import doubts, halfspaces, hierarchy, tiles
-from hsr.kernels.halfspaces import CLUSTER, SMALL, Eye, U, nearness_at
+from hsr.kernels.halfspaces import CLUSTER, SMALL, TABLE, Eye, U, nearness_at
 from hsr.kernels.projection import clip_rows, to_clip
 from hsr.scene.shapes import Shape
 from hsr.viewing import View, WorldPolygons
@@ -33,6 +33,8 @@ from hsr.visibility import Clock, VisibilityMap, depth_format
 
 ROOM = 64
 """Doubts of a tile for which there is room at first; a tile with more is drawn again."""
+
+NO_DOUBTS, NO_TABLES = np.empty(0, doubts.DOUBT), np.empty((0, TABLE))
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,7 @@ def render(view: View, options: Options) -> VisibilityMap:
         view = view.tessellated()
         mesh = mesh_of(view)
         # Touch the memory now: the first touch of a page takes longer than what is computed in it.
-        screen = np.full((len(mesh.vertices), 4), 0.0)
+        screen = np.full((mesh.vertices.shape[1], 4), 0.0)
         face, depth = (
             np.full((view.height, view.width), -1, np.int32),
             np.full((view.height, view.width), np.inf),
@@ -112,14 +114,14 @@ class Mesh(NamedTuple):
 
     Attributes
     ----------
-    vertices : (V, 3) float64, world space
+    vertices : (3, V) float64, world space
     corner : (n, 3) int32
     cull : (n,) int8
     faces : (n,) int32
         Face of each triangle.
     number : (n,) int32
         Its number among the fans of the polygons.
-    low, high : (clusters, 3) float64
+    low, high : (3, clusters) float64
         The boxes around the clusters.
     box : (2, 3) float64
         That around them all.
@@ -159,13 +161,13 @@ def clustered(view: View, chosen: Array, faces: Ints) -> Mesh:
     number, first = chosen[order].astype(np.int32), np.arange(0, len(order), CLUSTER)
     low, high = np.minimum.reduceat(low[order], first), np.maximum.reduceat(high[order], first)
     return Mesh(
-        polygons.vertices[vertex],
+        np.ascontiguousarray(polygons.vertices[vertex].T),
         place[polygons.triangle_vertex[number]],
         polygons.cull[polygons.triangle_polygon[number]],
         faces[number],
         number,
-        low,
-        high,
+        np.ascontiguousarray(low.T),
+        np.ascontiguousarray(high.T),
         np.stack([low.min(axis=0), high.max(axis=0)]),
         world_slack(view),
     )
@@ -200,28 +202,10 @@ def _vertices(shape: Shape) -> Floats:
 # ---------------------------------------------------------------- once a picture
 
 
-@np.errstate(over="ignore", invalid="ignore")
 def eye_of(view: View, mesh: Mesh, rows: Floats) -> Eye:
-    """Measure a view for the kernels.
-
-    Clip coordinates are sums of three products and an offset, by rows that were divided once, and depth is
-    taken for w: fewer than sixteen roundings, each of at most the sum of the magnitudes.
-    """
-    low, high = mesh.box
-    bound = abs(rows) + SMALL
-    size = bound[:, :3] @ np.maximum(abs(low), abs(high)) + bound[:, 3]
-    error = 16.0 * U * size + bound[:, :3] @ mesh.slack
-    ends = np.stack([rows[2, :3] * low, rows[2, :3] * high])
-    least, most = rows[2, 3] + ends.min(axis=0).sum(), rows[2, 3] + ends.max(axis=0).sum()
-    return eye_between(view, error, least, most)
-
-
-def eye_between(view: View, error: Floats, least: float, most: float) -> Eye:
-    """Measure a view of which all lies between two depths; see :func:`hsr.kernels.halfspaces.eye_between`."""
-    size = (float(view.width), float(view.height))
-    return halfspaces.eye_between(
-        view.perspective, size, tuple(error.tolist()), (view.near, view.far), (float(least), float(most))
-    )
+    """Measure a view for the kernels; see :func:`hsr.kernels.halfspaces.eye_around`."""
+    size, limits = (view.width, view.height), (view.near, view.far)
+    return halfspaces.eye_around(view.perspective, size, limits, rows, mesh.box, mesh.slack)
 
 
 # What over- or underflows here is bounded by infinity, and so decided exactly.
@@ -257,28 +241,33 @@ def draw(
         None if not certified.
     counts : (COUNTS,) int64
     """
-    halfspaces.project(mesh.vertices, rows, eye, screen)
-    extent = np.empty((len(mesh.low), 5))
-    tiles.reach(mesh.low, mesh.high, rows, eye, extent)
-    listed, todo = tiles.deal(extent, np.argsort(extent[:, 4], kind="stable"), view.width, view.height)
-    chosen = loose_triangles(screen, mesh.corner, eye)
-    clip = to_clip(mesh.vertices[mesh.corner[chosen].ravel()], rows).reshape(-1, 3, 3)
-    loose = loose_tables(view, clip, mesh.number[chosen], chosen, eye)
+    extent = np.empty((mesh.low.shape[1], 5))
+    uncertain = tiles.lay_out(mesh.vertices, mesh.low, mesh.high, rows, eye, screen, extent)
+    loose = _loose(view, mesh, rows, eye, screen) if uncertain else NO_TABLES
+    listed, todo = tiles.deal(extent, view.width, view.height, thread_count())
     prepared = (screen, mesh.corner, mesh.cull, mesh.faces)
 
-    found, total, room = [np.empty(0, doubts.DOUBT)], np.zeros(tiles.COUNTS, np.int64), ROOM
+    found, total, room = [NO_DOUBTS], np.zeros(tiles.COUNTS, np.int64), ROOM
     while len(todo):
-        todo = dealt(todo)
         counts = np.zeros((len(todo), tiles.COUNTS), np.int64)
         noted = np.empty((len(todo), room), doubts.DOUBT) if certified else None
         tiles.rasterise(prepared, extent, listed, todo, loose, eye, noted, counts, *answer)
-        used = counts[:, doubts.USED]
+        used = counts[:, doubts.USED].tolist()
         if noted is not None:
-            found += [noted[k, : used[k]] for k in np.flatnonzero(used <= room)]
-        total += counts[used <= room].sum(axis=0)
+            found += [noted[k, :n] for k, n in enumerate(used) if 0 < n <= room]
+        again = [k for k, n in enumerate(used) if n > room]
+        counts[again] = 0
+        total += counts.sum(axis=0)
         # Settling a tile at most doubles its doubts.
-        todo, room = todo[used > room], 2 * int(used.max())
+        todo, room = todo[again], 2 * max(used)
     return np.concatenate(found), total
+
+
+def _loose(view: View, mesh: Mesh, rows: Floats, eye: Eye, screen: Floats) -> Floats:
+    """Set up the triangles of which a corner is not certain."""
+    chosen = loose_triangles(screen, mesh.corner, eye)
+    clip = to_clip(mesh.vertices.T[mesh.corner[chosen].ravel()], rows).reshape(-1, 3, 3)
+    return loose_tables(view, clip, mesh.number[chosen], chosen, eye)
 
 
 def _number(mesh: Mesh, found: Array) -> Array:

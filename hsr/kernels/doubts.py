@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hsr.arrays import Array, Floats
-from hsr.jit import jit
+from hsr.jit import inline_jit, jit
 from hsr.kernels.halfspaces import (
     ACROSS0,
     ACROSS1,
@@ -150,7 +150,7 @@ def limits_of(table: Floats, i: int, eye: Eye) -> Limits:
     return eye.near, eye.far, table[BOUND + i] / eye.tie
 
 
-@jit
+@inline_jit
 def fill(
     table: Floats, i: int, keys: Array, window: Window, limits: Limits | None, certify: bool | None
 ) -> bool:

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hsr.arrays import Array, Floats, Ints
-from hsr.jit import jit, parallel_jit, prange
+from hsr.jit import jit
 from hsr.kernels.bounds import nearness_of
 
 U = 2.0**-53
@@ -57,6 +57,12 @@ the true x and y may be away: ``ANYWHERE`` for a vertex at or behind the eye."""
 
 ANYWHERE = 2.0**99
 """An error beyond all images."""
+
+SIDE_BY_SIDE = 256
+"""Most vertices projected at once."""
+
+Matrix = tuple[float, float, float, float, float, float, float, float, float, float, float, float]
+"""The entries of three rows of four."""
 
 CLUSTER = 32
 """Triangles in a table, set up side by side. Its parts follow each other, CLUSTER numbers each, in one array
@@ -122,6 +128,48 @@ class Eye(NamedTuple):
 
 
 @jit
+def eye_around(
+    perspective: bool,
+    size: tuple[int, int],
+    limits: tuple[float, float],
+    rows: Floats,
+    box: Floats,
+    slack: Floats,
+) -> Eye:
+    """Measure a view of what lies in a box.
+
+    Clip coordinates are sums of three products and an offset, by rows that were divided once, and depth is
+    taken for w: fewer than sixteen roundings, each of at most the sum of the magnitudes.
+
+    Parameters
+    ----------
+    perspective : bool
+    size : (width, height)
+        Of the image, in pixels.
+    limits : (near, far)
+        In scene units.
+    rows : (3, 4) float64
+        From world to clip space (x, y, d), see :func:`hsr.kernels.projection.clip_rows`.
+    box : (2, 3) float64
+        Opposite corners, world space.
+    slack : (3,) float64
+        By how much points may be off.
+    """
+    error, least, most = np.empty(3), rows[2, 3], rows[2, 3]
+    for k in range(3):
+        error[k] = 16.0 * U * (abs(rows[k, 3]) + SMALL)
+        for axis in range(3):
+            bound = abs(rows[k, axis]) + SMALL
+            reach = max(abs(box[0, axis]), abs(box[1, axis]))
+            error[k] += 16.0 * U * bound * reach + bound * slack[axis]
+    for axis in range(3):
+        one, other = rows[2, axis] * box[0, axis], rows[2, axis] * box[1, axis]
+        least, most = least + min(one, other), most + max(one, other)
+    width, height = float(size[0]), float(size[1])
+    return eye_between(perspective, (width, height), (error[0], error[1], error[2]), limits, (least, most))
+
+
+@jit
 def eye_between(
     perspective: bool,
     size: tuple[float, float],
@@ -174,28 +222,55 @@ def nearness_at(depth: float, perspective: bool) -> float:
     return min(nearness_of(depth, perspective), 1.0 / TINY)
 
 
-@parallel_jit
-def project(vertices: Floats, rows: Floats, eye: Eye, screen: Floats) -> None:
-    """Project vertices, and bound the errors.
-
-    Parameters
-    ----------
-    vertices : (V, 3) float64
-        World space.
-    rows : (3, 4) float64
-        To clip space (x, y, d), see :func:`hsr.kernels.projection.clip_rows`.
-    eye : Eye
-        Its errors are those of the clip coordinates computed here.
-    screen : (V, 4) float64
-        Receives X to ERROR.
-    """
-    for i in prange(len(vertices)):
-        x, y, nearness, error = projected(vertices[i, 0], vertices[i, 1], vertices[i, 2], rows, eye)
-        screen[i, X], screen[i, Y], screen[i, NEARNESS], screen[i, ERROR] = x, y, nearness, error
+@jit
+def entries(rows: Floats) -> Matrix:
+    """Return the entries of a matrix (3, 4), row by row, as numbers that no array can share."""
+    x, y, d = rows[0], rows[1], rows[2]
+    return x[0], x[1], x[2], x[3], y[0], y[1], y[2], y[3], d[0], d[1], d[2], d[3]
 
 
 @jit
-def projected(px: float, py: float, pz: float, rows: Floats, eye: Eye) -> tuple[float, float, float, float]:
+def project(
+    vertices: Floats, first: int, end: int, matrix: Matrix, eye: Eye, screen: Floats, target: int
+) -> int:
+    """Project some vertices, and bound the errors.
+
+    Parameters
+    ----------
+    vertices : (3, V) float64
+        Coordinate by coordinate: so they are projected side by side.
+    first, end : int
+        At most SIDE_BY_SIDE of them.
+    matrix : Matrix
+        To clip space (x, y, d), see :func:`hsr.kernels.projection.clip_rows`.
+    eye : Eye
+        Its errors are those of the clip coordinates computed here.
+    screen : (v, 4) float64
+        Receives X to ERROR of each, vertex by vertex: so one is read at once.
+    target : int
+        Place of the first one there.
+
+    Returns
+    -------
+    int
+        How many are not certain within ``LOOSE``.
+    """
+    count, start, uncertain = np.uintp(end - first), np.uintp(first), 0
+    parts = np.empty(4 * SIDE_BY_SIDE)
+    for i in range(count):
+        px, py, pz = vertices[0, start + i], vertices[1, start + i], vertices[2, start + i]
+        x, y, nearness, error = projected(px, py, pz, matrix, eye)
+        parts[i], parts[SIDE_BY_SIDE + i] = x, y
+        parts[2 * SIDE_BY_SIDE + i], parts[3 * SIDE_BY_SIDE + i] = nearness, error
+        uncertain += not error <= LOOSE
+    for i in range(count):
+        for k in range(np.uintp(4)):
+            screen[np.uintp(target) + i, k] = parts[np.uintp(SIDE_BY_SIDE) * k + i]
+    return uncertain
+
+
+@jit
+def projected(px: float, py: float, pz: float, matrix: Matrix, eye: Eye) -> tuple[float, float, float, float]:
     """Return X to ERROR of a point.
 
     To first order x / d is off by (error_x + |x / d| error_d) / d and two roundings; scaling it to the
@@ -203,18 +278,23 @@ def projected(px: float, py: float, pz: float, rows: Floats, eye: Eye) -> tuple[
     half doubles that, which covers the higher orders if error_d is less than half of d. What overflows may be
     anywhere.
     """
-    x = rows[0, 0] * px + rows[0, 1] * py + rows[0, 2] * pz + rows[0, 3]
-    y = rows[1, 0] * px + rows[1, 1] * py + rows[1, 2] * pz + rows[1, 3]
-    d = rows[2, 0] * px + rows[2, 1] * py + rows[2, 2] * pz + rows[2, 3]
+    x = matrix[0] * px + matrix[1] * py + matrix[2] * pz + matrix[3]
+    y = matrix[4] * px + matrix[5] * py + matrix[6] * pz + matrix[7]
+    d = matrix[8] * px + matrix[9] * py + matrix[10] * pz + matrix[11]
     w = (1.0 / d if d != 0.0 else 0.0) if eye.perspective else 1.0
     nearness, error_w = (w, eye.error_d) if eye.perspective else (-d, 0.0)
     x, y = x * w, y * w
     error_x = (eye.error_x + abs(x) * error_w) * w + 4.0 * U * (abs(x) + 1.0)
     error_y = (eye.error_y + abs(y) * error_w) * w + 4.0 * U * (abs(y) + 1.0)
     error = max(error_x * eye.width, error_y * eye.height)
-    if not error < ANYWHERE or (eye.perspective and not d > 2.0 * eye.error_d):
-        error = ANYWHERE
-    return (1.0 + x) * 0.5 * eye.width, (1.0 - y) * 0.5 * eye.height, nearness, error
+    behind = eye.perspective & (not d > 2.0 * eye.error_d)
+    certain = (error < ANYWHERE) & (not behind)
+    return (
+        (1.0 + x) * 0.5 * eye.width,
+        (1.0 - y) * 0.5 * eye.height,
+        nearness,
+        error if certain else ANYWHERE,
+    )
 
 
 @jit

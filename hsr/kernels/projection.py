@@ -20,9 +20,10 @@ from __future__ import annotations
 import numpy as np
 
 from hsr.arrays import Array, Floats
-from hsr.jit import parallel_jit, prange
+from hsr.jit import jit, parallel_jit, prange
 
 
+@jit
 def clip_rows(clip_from_world: Floats, depth_row: Floats) -> Floats:
     """Return the matrix that carries world points (x, y, z, 1) to clip space (x, y, d).
 
@@ -38,13 +39,12 @@ def clip_rows(clip_from_world: Floats, depth_row: Floats) -> Floats:
         The rows for x and y divided by what w is in units of d (perspective) or of 1 (parallel): by
         exactly 1 for the cameras that are placed by an eye and a target.
     """
-    w_row = clip_from_world[3]
-    if w_row[:3].any():
-        largest = np.abs(w_row[:3]).argmax()
-        scale = w_row[largest] / depth_row[largest]
-    else:
-        scale = w_row[3]
-    return np.stack([clip_from_world[0] / scale, clip_from_world[1] / scale, depth_row])
+    largest = np.argmax(np.abs(clip_from_world[3, :3]))
+    along = clip_from_world[3, largest]
+    scale = along / depth_row[largest] if along != 0.0 else clip_from_world[3, 3]
+    rows = np.empty((3, 4))
+    rows[0], rows[1], rows[2] = clip_from_world[0] / scale, clip_from_world[1] / scale, depth_row
+    return rows
 
 
 def to_clip(vertices: Floats, rows: Floats) -> Floats:

@@ -37,9 +37,10 @@ from hsr.kernels.halfspaces import (
     Eye,
     X,
     Y,
+    entries,
     key_depth,
     nearness_error,
-    projected,
+    project,
     samples_between,
     set_up,
 )
@@ -93,7 +94,7 @@ SHARE = np.dtype([("member", np.int64), ("start", np.int64), ("end", np.int64)])
 """Some vertices or nodes of a member, counted from its first."""
 
 Shapes = tuple[Floats, Ints, Ints, Ints]
-"""Of all meshes: vertices (V, 3), object space; corners (n, 3) and numbers among the fans (n,) of the
+"""Of all meshes: vertices (3, V), object space; corners (n, 3) and numbers among the fans (n,) of the
 triangles, in the order of the leaves; ``first`` and ``count`` (N, 2) of the nodes. Each counts from the start
 of its own mesh."""
 
@@ -106,7 +107,7 @@ Image = tuple[Ints, Ints, Floats]
 
 Laid = tuple[Array, Floats, Floats, Floats]
 """A batch: members (m,) MEMBER, nearest first, and their extents (m, 5): first and end column, first and end
-line, and a bound of the least key depth; projected vertices (v, 4), see ``halfspaces.project``; the extents
+line, and a bound of the least key depth; projected vertices (v, 4), see ``tiles.lay_out``; the extents
 (e, 5) of nodes."""
 
 
@@ -128,7 +129,10 @@ def reach_objects(box: Floats, rows: Floats, eye: Eye, extent: Floats) -> None:
         Receives first and end column, first and end line, and a bound of the least key depth.
     """
     for k in range(len(box)):
-        left, right, top, bottom, nearest = reach_box(box[k, 0], box[k, 1], rows[k], eye)
+        low, high = box[k, 0], box[k, 1]
+        left, right, top, bottom, nearest = reach_box(
+            (low[0], low[1], low[2]), (high[0], high[1], high[2]), entries(rows[k]), eye
+        )
         extent[k, 0], extent[k, 1], extent[k, 2], extent[k, 3] = left, right, top, bottom
         extent[k, 4] = nearest
 
@@ -179,12 +183,9 @@ def lay_out(
 @jit
 def project_share(vertices: Floats, rows: Floats, eye: Eye, member: Any, share: Any, screen: Floats) -> None:
     """Carry some vertices of a mesh to the screen."""
-    clip, source, target = rows[member["object"]], member["vertex"], member["to_screen"]
-    for k in range(share["start"], share["end"]):
-        px, py, pz = vertices[source + k, 0], vertices[source + k, 1], vertices[source + k, 2]
-        x, y, nearness, error = projected(px, py, pz, clip, eye)
-        screen[target + k, X], screen[target + k, Y] = x, y
-        screen[target + k, NEARNESS], screen[target + k, ERROR] = nearness, error
+    matrix, source, target = entries(rows[member["object"]]), member["vertex"], member["to_screen"]
+    first, end = share["start"], share["end"]
+    project(vertices, source + first, source + end, matrix, eye, screen, target + first)
 
 
 @jit

@@ -31,6 +31,7 @@ from hsr.kernels.doubts import (
     suspect,
 )
 from hsr.kernels.halfspaces import (
+    BACK,
     BOTTOM,
     CLUSTER,
     CUT,
@@ -39,12 +40,16 @@ from hsr.kernels.halfspaces import (
     LOOSE,
     NEAREST,
     RIGHT,
+    SIDE_BY_SIDE,
     TABLE,
     TOP,
     Eye,
+    Matrix,
+    entries,
     gather,
     key_depth,
     nearness_error,
+    project,
     projected,
     samples_between,
     set_up,
@@ -54,13 +59,18 @@ LINES, COLUMNS = 128, 512
 """Size in samples of a tile, the piece of work of one thread. Its keys stay in the cache of a core, and a
 line of its depths is a page of memory: narrow tiles took three times as long to read out."""
 
-CELL = 16
+CELL = 8
 """Side in samples of the cells whose farthest depth is known."""
+
+SLICES = 2048
+"""Of depth, in which things are put in order."""
 
 DRAWN, HIDDEN = 2, 3
 """Columns of the counts of a tile, after those of its window: clusters looked into, and hidden ones."""
 
 COUNTS = 4
+
+Point = tuple[float, float, float]
 
 Cells = tuple[int, int, int, int]
 """First and end row, first and end column of some cells of a window."""
@@ -70,87 +80,154 @@ Cells = tuple[int, int, int, int]
 
 
 @parallel_jit
-def reach(low: Floats, high: Floats, rows: Floats, eye: Eye, extent: Floats) -> None:
-    """Find the samples that clusters may cover, and how near they come.
+def lay_out(
+    vertices: Floats, low: Floats, high: Floats, rows: Floats, eye: Eye, screen: Floats, extent: Floats
+) -> int:
+    """Project vertices, and find the samples that clusters may cover, and how near they come.
 
     Parameters
     ----------
-    low, high : (n, 3) float64
-        Opposite corners of the boxes around them, world space.
+    vertices : (3, V) float64
+        World space, coordinate by coordinate.
+    low, high : (3, n) float64
+        Opposite corners of the boxes around the clusters, likewise.
     rows : (3, 4) float64
+        To clip space (x, y, d), see :func:`hsr.kernels.projection.clip_rows`.
     eye : Eye
-        See :func:`hsr.kernels.halfspaces.project`.
+        Its errors are those of the clip coordinates computed here.
+    screen : (V, 4) float64
+        Receives X to ERROR of each vertex.
     extent : (n, 5) float64
         Receives first and end column, first and end line, and a bound of the least key depth.
+
+    Returns
+    -------
+    int
+        How many vertices are not certain within ``LOOSE``.
     """
-    for i in prange(len(low)):
-        left, right, top, bottom, nearest = reach_box(low[i], high[i], rows, eye)
-        extent[i, 0], extent[i, 1], extent[i, 2], extent[i, 3], extent[i, 4] = (
-            left,
-            right,
-            top,
-            bottom,
-            nearest,
-        )
+    uncertain = 0
+    for k in prange(-(-vertices.shape[1] // SIDE_BY_SIDE)):
+        first, end = k * SIDE_BY_SIDE, min((k + 1) * SIDE_BY_SIDE, vertices.shape[1])
+        uncertain += project(vertices, first, end, entries(rows), eye, screen, first)
+    for k in prange(-(-low.shape[1] // SIDE_BY_SIDE)):
+        first, end = k * SIDE_BY_SIDE, min((k + 1) * SIDE_BY_SIDE, low.shape[1])
+        reach(low, high, first, end, entries(rows), eye, extent)
+    return uncertain
 
 
 @jit
-def reach_box(low: Floats, high: Floats, rows: Floats, eye: Eye) -> tuple[float, float, float, float, float]:
+def reach(low: Floats, high: Floats, first: int, end: int, matrix: Matrix, eye: Eye, extent: Floats) -> None:
+    """Find what some boxes may cover, at most SIDE_BY_SIDE of them."""
+    count, start = np.uintp(end - first), np.uintp(first)
+    parts = np.empty(5 * SIDE_BY_SIDE)
+    for i in range(count):
+        box_low = low[0, start + i], low[1, start + i], low[2, start + i]
+        box_high = high[0, start + i], high[1, start + i], high[2, start + i]
+        left, right, top, bottom, nearest = reach_box(box_low, box_high, matrix, eye)
+        parts[i], parts[SIDE_BY_SIDE + i], parts[2 * SIDE_BY_SIDE + i] = left, right, top
+        parts[3 * SIDE_BY_SIDE + i], parts[4 * SIDE_BY_SIDE + i] = bottom, nearest
+    for i in range(count):
+        for k in range(np.uintp(5)):
+            extent[start + i, k] = parts[np.uintp(SIDE_BY_SIDE) * k + i]
+
+
+@jit
+def reach_box(low: Point, high: Point, matrix: Matrix, eye: Eye) -> tuple[float, float, float, float, float]:
     """Return what one box may cover; one with a corner at or behind the eye, anything."""
     left, right, top, bottom, nearest, error = np.inf, -np.inf, np.inf, -np.inf, -np.inf, 0.0
     for bits in range(8):
         px = high[0] if bits & 1 else low[0]
         py = high[1] if bits & 2 else low[1]
         pz = high[2] if bits & 4 else low[2]
-        x, y, nearness, corner_error = projected(px, py, pz, rows, eye)
+        x, y, nearness, corner_error = projected(px, py, pz, matrix, eye)
         left, right, top, bottom = min(left, x), max(right, x), min(top, y), max(bottom, y)
         nearest, error = max(nearest, nearness), max(error, corner_error)
-    if not error <= LOOSE:
-        return 0.0, eye.width, 0.0, eye.height, -np.inf
     first_column, end_column = samples_between(left, right, error, eye.width)
     first_line, end_line = samples_between(top, bottom, error, eye.height)
     z = key_depth(nearest, eye) - nearness_error(nearest, eye) * eye.scale
-    return first_column, end_column, first_line, end_line, z
+    certain = error <= LOOSE
+    return (
+        first_column if certain else 0.0,
+        end_column if certain else eye.width,
+        first_line if certain else 0.0,
+        end_line if certain else eye.height,
+        z if certain else -np.inf,
+    )
 
 
 @jit
-def deal(extent: Floats, order: Array, width: int, height: int) -> tuple[Ints, Array]:
-    """List for each tile of the image what may cover some of it, in its order.
+def deal(extent: Floats, width: int, height: int, threads: int) -> tuple[Ints, Array]:
+    """List for each tile of the image what may cover some of it, nearest first.
 
     Parameters
     ----------
     extent : (n, 5) float64
-        First and end column, first and end line of each thing; the rest is not read.
-    order : (n,) int64
+        First and end column, first and end line of each thing, and its least key depth.
     width, height : int
+    threads : int
 
     Returns
     -------
     listed : (m,) int32
         List after list.
     tiles : (T, 4) int64
-        Row and column of a tile, where its list begins and where it ends; the longest list first.
+        Row and column of a tile, where its list begins and where it ends. Each thread takes one run of them,
+        all as long: in this order each run holds long lists and short ones.
     """
     columns = -(-width // COLUMNS)
     number = -(-height // LINES) * columns
-    seen = order[(extent[order, 0] < extent[order, 1]) & (extent[order, 2] < extent[order, 3])]
+    order = nearest_first(extent)
     place = np.zeros(number + 1, np.int64)
-    for m in seen:
+    for m in order:
         first_row, end_row, first_column, end_column = tiles_of(extent[m])
         for row in range(first_row, end_row):
-            place[row * columns + first_column + 1 : row * columns + end_column + 1] += 1
+            for tile in range(row * columns + first_column, row * columns + end_column):
+                place[tile + 1] += 1
     place = np.cumsum(place)
     tiles = np.empty((number, 4), np.int64)
-    for k, tile in enumerate(np.argsort(place[:-1] - place[1:], kind="mergesort")):
+    for k, tile in enumerate(to_and_fro(np.argsort(place[:-1] - place[1:], kind="mergesort"), threads)):
         tiles[k] = tile // columns, tile % columns, place[tile], place[tile + 1]
     listed = np.empty(place[-1], np.int32)
-    for m in seen:
+    for m in order:
         first_row, end_row, first_column, end_column = tiles_of(extent[m])
         for row in range(first_row, end_row):
             for tile in range(row * columns + first_column, row * columns + end_column):
                 listed[place[tile]] = m
                 place[tile] += 1
     return listed, tiles
+
+
+@jit
+def nearest_first(extent: Floats) -> Ints:
+    """Return what may cover some sample, the nearest first: by slices of depth, and in one as they come."""
+    inside = np.zeros(len(extent), np.int32)
+    start = np.zeros(SLICES + 1, np.int64)
+    for m in range(len(extent)):
+        if extent[m, 0] < extent[m, 1] and extent[m, 2] < extent[m, 3]:
+            # Whose depth is not a number may be anywhere.
+            z = extent[m, 4] if extent[m, 4] > 1.0 else 1.0
+            inside[m] = 1 + int((min(z, BACK) - 1.0) * (SLICES - 1))
+            start[inside[m]] += 1
+    start = np.cumsum(start)
+    order = np.empty(start[-1], np.int32)
+    for m in range(len(extent)):
+        if inside[m] > 0:
+            order[start[inside[m] - 1]] = m
+            start[inside[m] - 1] += 1
+    return order
+
+
+@jit
+def to_and_fro(pieces: Array, threads: int) -> Array:
+    """Deal pieces of work (n,), the largest first, to threads, to and fro; return hand after hand."""
+    hands, k = np.empty_like(pieces), 0
+    for thread in range(threads):
+        for i in range(len(pieces)):
+            turn = i % (2 * threads)
+            if min(turn, 2 * threads - 1 - turn) == thread:
+                hands[k] = pieces[i]
+                k += 1
+    return hands
 
 
 @jit

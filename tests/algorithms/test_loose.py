@@ -36,7 +36,7 @@ def entries(seen: View) -> Iterator[tuple[hs.Eye, int, dict[str, float]]]:
     mesh, every = mesh_of(seen), np.arange(3)
     rows = clip_rows(seen.clip_from_world, seen.depth_row)
     eye = eye_of(seen, mesh, rows)
-    clip = to_clip(mesh.vertices[mesh.corner.ravel()], rows).reshape(-1, 3, 3)
+    clip = to_clip(mesh.vertices.T[mesh.corner.ravel()], rows).reshape(-1, 3, 3)
     names = ("NUMBER", "LEFT", "RIGHT", "TOP", "BOTTOM", "Z", "Z_X", "Z_Y", "Z_ERROR")
     for table in loose_tables(seen, clip, mesh.number, every, eye):
         for i in range(hs.CLUSTER):

@@ -11,6 +11,7 @@ import pytest
 
 from hsr.algorithms.tiles import along_the_curve, eye_of, mesh_of
 from hsr.kernels import halfspaces as hs
+from hsr.kernels import tiles
 from hsr.kernels.projection import clip_rows
 from hsr.viewing import View
 from tests.conftest import JIT
@@ -40,9 +41,10 @@ def exact_vertices(view: View) -> list[Point | None]:
 
 def projected(view: View) -> tuple[Any, hs.Eye, Any]:
     mesh = mesh_of(view)
-    rows, screen = clip_rows(view.clip_from_world, view.depth_row), np.empty((len(mesh.vertices), 4))
+    rows, screen = clip_rows(view.clip_from_world, view.depth_row), np.empty((mesh.vertices.shape[1], 4))
     eye = eye_of(view, mesh, rows)
-    hs.project(mesh.vertices, rows, eye, screen)
+    extent = np.empty((mesh.low.shape[1], 5))
+    tiles.lay_out(mesh.vertices, mesh.low, mesh.high, rows, eye, screen, extent)
     return mesh, eye, screen
 
 
@@ -66,7 +68,7 @@ def test_what_overflows_may_be_anywhere(perspective: bool, row: int) -> None:
     rows[row, :2] = 1e300, -1e300
     eye = hs.eye_between(perspective, (64.0, 64.0), (np.inf,) * 3, (0.5, 9.0), (0.0, 1.0))
     with np.errstate(all="ignore"):
-        assert hs.projected(1e300, 1e300, 0.0, rows, eye)[hs.ERROR] == hs.ANYWHERE
+        assert hs.projected(1e300, 1e300, 0.0, hs.entries(rows), eye)[hs.ERROR] == hs.ANYWHERE
 
 
 def set_up(view: View) -> Iterator[tuple[list[Point], dict[str, float], hs.Eye]]:

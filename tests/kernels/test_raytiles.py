@@ -109,7 +109,8 @@ def test_numbers_are_those_of_the_pieces(seed):
 def test_an_object_may_show_unless_all_its_cells_show_something_nearer():
     gap = gap_of(depth_mask(1000), 2.0**-36)
     farthest = np.full((2, 2, LINES // CELL, COLUMNS // CELL), 1.2)
-    across = np.array([[COLUMNS - 20.0, COLUMNS + 20.0, LINES - 20.0, LINES + 20.0, 1.5]])
+    beyond = 1.25 * CELL
+    across = np.array([[COLUMNS - beyond, COLUMNS + beyond, LINES - beyond, LINES + beyond, 1.5]])
     assert not raytiles.may_show(across, gap, farthest)[0]
     reached = [(0, 0, -2, -2), (0, 0, -1, -1), (0, 1, -1, 1), (1, 0, 0, -1), (1, 1, 1, 1)]
     for cell in reached:

@@ -48,7 +48,7 @@ def _drawn(view: View, layers: list[list[int]]) -> Iterator[Ints]:
         alone = clustered(view, np.flatnonzero(np.isin(polygon, layer)), polygon)
         size = (view.height, view.width)
         answer = np.full(size, BACKGROUND, np.int32), np.full(size, np.inf)
-        draw(view, alone, rows, eye, np.empty((len(alone.vertices), 4)), False, answer)
+        draw(view, alone, rows, eye, np.empty((alone.vertices.shape[1], 4)), False, answer)
         yield answer[0]
 
 
