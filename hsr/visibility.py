@@ -5,10 +5,12 @@ from __future__ import annotations
 import importlib
 import json
 import time
+from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from io import BytesIO
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -172,10 +174,9 @@ class VisibilityMap:
 
 def name_in(manifest: Sequence[Mapping[str, Any]], face: int) -> str:
     """Return what a person calls a face of the objects of a manifest; see ``VisibilityMap.name_of``."""
-    for entry in manifest:
-        offset = face - int(entry["first"])
-        if 0 <= offset < int(entry["count"]):
-            return face_name(entry, offset)
+    place = bisect_right(manifest, face, key=itemgetter("first")) - 1
+    if place >= 0 and face - manifest[place]["first"] < manifest[place]["count"]:
+        return face_name(manifest[place], face - manifest[place]["first"])
     return "background" if face == BACKGROUND else f"unknown face {face}"
 
 

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, partial
 from typing import Any
 
 import numpy as np
 
 from hsr.difference.cause import Causes, causes
-from hsr.difference.models.llvmpipe import LLVMPIPE, Drawn, drawn_at
+from hsr.difference.models.llvmpipe import LLVMPIPE, Drawing, Drawn
 from hsr.difference.models.stages import Cause
-from hsr.difference.sight import EDGE_ON, Layer, Sight, nearby, sight
+from hsr.difference.near import Nearby, check_sample, nearby
+from hsr.difference.sight import EDGE_ON, Layer, Sight, sights
 from hsr.errors import MapError
 from hsr.viewing import View
 from hsr.visibility import BACKGROUND, Admissible, VisibilityMap, name_in
@@ -63,14 +64,19 @@ class Entry:
     window : Fraction or None
         Depth in the window: 0 at near, 1 at far, affine on the screen. None if the sample is not in
         the face.
-    verdicts : dict of str to str
-        What became of it, by method.
+    judge : callable
+        From the layer to ``verdicts``, which are found when they are asked for.
     """
 
     name: str
     layer: Layer
     window: Fraction | None
-    verdicts: dict[str, str]
+    judge: Callable[[Layer], dict[str, str]]
+
+    @cached_property
+    def verdicts(self) -> dict[str, str]:
+        """What became of it, by method."""
+        return self.judge(self.layer)
 
     @property
     def quantised(self) -> int | None:
@@ -219,7 +225,7 @@ def _edges(entry: Entry) -> str:
     return f"  px to {edges}" if edges else ""
 
 
-# ---------------------------------------------------------------- telling a history
+# ---------------------------------------------------------------- telling histories
 
 
 def history(
@@ -253,31 +259,96 @@ def history(
     MapError
         If a map is not of this view.
     """
-    seen = sight(view, row, column)
-    for answer in maps:
-        _check(view, answer)
-    names = {layer.face: name_in(view.manifest, layer.face) for layer in seen.layers}
-    found = known or {}
-    told = [_Telling(view, row, column, seen, answer, found.get(answer.method)) for answer in maps]
-    entries = [
-        Entry(
-            names[layer.face],
-            layer,
-            None if layer.depth is None else window_depth(view, layer.depth),
-            {telling.answer.method: telling.verdict(layer) for telling in told},
+    check_sample(view, row, column)
+    sample = row * view.width + column
+    return Historian(view, [sample], maps, known).tell(sample)
+
+
+class Historian:
+    """Tells the histories of some samples of a view.
+
+    What the samples have in common is set up once.
+
+    Parameters
+    ----------
+    view : View
+    samples : sequence of int
+        Numbers ``row * W + column``.
+    maps : sequence of VisibilityMap
+    known : mapping of str to Causes, optional
+        As for :func:`history`.
+
+    Raises
+    ------
+    ViewError
+        If the view has no exact answer.
+    MapError
+        If a map is not of this view.
+    """
+
+    def __init__(
+        self,
+        view: View,
+        samples: Sequence[int],
+        maps: Sequence[VisibilityMap],
+        known: Mapping[str, Causes] | None = None,
+    ) -> None:
+        for answer in maps:
+            _check(view, answer)
+        self.view, self.maps, self.known = view, maps, known or {}
+        self.near = nearby(view, np.array(samples))
+        self.sights = sights(self.near)
+        self.name = cache(partial(name_in, view.manifest))
+        self.cause = cache(self._cause)
+
+    def tell(self, sample: int) -> History:
+        """Tell the history of one of the samples."""
+        seen = self.sights[sample]
+        told = [_Telling(self, sample, seen, answer) for answer in self.maps]
+        speakers = {telling.shows: telling for telling in told}
+
+        def verdicts(layer: Layer) -> dict[str, str]:
+            said = {shows: telling.verdict(layer) for shows, telling in speakers.items()}
+            return {telling.answer.method: said[telling.shows] for telling in told}
+
+        row, column = divmod(sample, self.view.width)
+        return History(
+            row,
+            column,
+            (self.view.width, self.view.height),
+            self.name(seen.owner),
+            {face: self.name(face) for face in sorted(seen.admissible)},
+            tuple(Entry(self.name(layer.face), layer, self.window(layer), verdicts) for layer in seen.layers),
+            tuple(telling.story() for telling in told),
         )
-        for layer in seen.layers
-    ]
-    admissible = {face: name_in(view.manifest, face) for face in sorted(seen.admissible)}
-    return History(
-        row,
-        column,
-        (view.width, view.height),
-        name_in(view.manifest, seen.owner),
-        admissible,
-        tuple(entries),
-        tuple(telling.story() for telling in told),
-    )
+
+    def window(self, layer: Layer) -> Fraction | None:
+        """Return the depth in the window of a face that covers its sample."""
+        return None if layer.depth is None else window_depth(self.view, layer.depth)
+
+    @cached_property
+    def drawing(self) -> Drawing:
+        """How the driver that is modelled sees the faces."""
+        return Drawing(self.view)
+
+    @cached_property
+    def tessellated(self) -> dict[int, Sight]:
+        """What is on the lines of sight where polygons stand for curved shapes, and matter."""
+        matter = [
+            sample
+            for sample in self.sights
+            if any(self.cause(sample, answer) == Cause.TESSELLATION for answer in self.maps)
+        ]
+        return sights(nearby(self.view.tessellated(), np.array(matter)))
+
+    def _cause(self, sample: int, answer: VisibilityMap) -> Cause:
+        """Return the stage at which a method goes wrong at a sample, if it does."""
+        seen = self.sights[sample]
+        if int(answer.face.flat[sample]) in seen.admissible:
+            return Cause.NONE
+        if answer.method in self.known:
+            return Cause(int(self.known[answer.method].cause.flat[sample]))
+        return cause_of(self.view, self.near, sample, seen, answer)
 
 
 def _check(view: View, answer: VisibilityMap) -> None:
@@ -304,31 +375,21 @@ def window_depth(view: View, depth: Fraction) -> Fraction:
 # ---------------------------------------------------------------- one method
 
 
-@dataclass(frozen=True, eq=False)
 class _Telling:
-    """What one method made of a sample, in words."""
+    """What one method made of a sample, in words.
 
-    view: View
-    row: int
-    column: int
-    sight: Sight
-    answer: VisibilityMap
-    known: Causes | None
+    Methods of which ``shows`` is the same give the same verdicts.
+    """
 
-    @property
-    def face(self) -> int:
-        return int(self.answer.face[self.row, self.column])
-
-    @property
-    def depth(self) -> float:
-        return float(self.answer.depth[self.row, self.column])
-
-    @property
-    def shown(self) -> Layer | None:
-        return self.sight.of(self.face)
-
-    def name(self, face: int) -> str:
-        return name_in(self.view.manifest, face)
+    def __init__(self, historian: Historian, sample: int, sight: Sight, answer: VisibilityMap) -> None:
+        self.historian, self.sample, self.sight, self.answer = historian, sample, sight, answer
+        self.name = historian.name
+        self.face = int(answer.face.flat[sample])
+        self.depth = float(answer.depth.flat[sample])
+        self.shown = sight.of(self.face)
+        self.modelled = DRIVER in answer.notes.get("driver", "")
+        exact = self.shown is not None and self.shown.covered
+        self.shows = self.face, None if exact else self.depth, self.modelled
 
     def verdict(self, layer: Layer) -> str:
         """Say what became of one face."""
@@ -344,8 +405,9 @@ class _Telling:
         if layer.depth is None:
             edge, distance = layer.nearest_edge
             return f"not covered: {-distance:.3g} px outside {edge}"
-        if layer.face in self.drawn and self.drawn[layer.face].inside < 0.0:
-            return f"not covered: {_inside(self.drawn[layer.face].inside)} {SNAPPED}"
+        drawn = self.drawn(layer.face)
+        if drawn is not None and drawn.inside < 0.0:
+            return f"not covered: {_inside(drawn.inside)} {SNAPPED}"
         if self.face == BACKGROUND:
             return "missed"
         return self._compared(layer.depth)
@@ -366,16 +428,11 @@ class _Telling:
     def story(self) -> Story:
         """Say whether the method is right, and if not, why."""
         right = self.face in self.sight.admissible
-        cause = Cause.NONE if right else self._cause()
+        cause = self.historian.cause(self.sample, self.answer)
         label = "" if right else cause.label
         sentence = self._right() if right else self._wrong(cause)
         method, name = self.answer.method, self.name(self.face)
         return Story(method, self.face, name, self.depth, right, label, sentence)
-
-    def _cause(self) -> Cause:
-        if self.known is not None:
-            return Cause(int(self.known.cause[self.row, self.column]))
-        return cause_of(self.view, self.row, self.column, self.sight, self.answer)
 
     def _right(self) -> str:
         tie = (
@@ -407,21 +464,13 @@ class _Telling:
         edge, distance = owner.nearest_edge
         return f"the sample lies {distance:.3g} px inside {edge} of {self.name(owner.face)}, which owns it"
 
-    @cached_property
-    def drawn(self) -> dict[int, Drawn]:
-        """How the driver sees each face near the sample, where it is the one that is modelled."""
-        if DRIVER not in self.answer.notes.get("driver", ""):
-            return {}
-        near, origin = nearby(self.view, self.row, self.column)
-        drawn: dict[int, Drawn] = {}
-        for found in drawn_at(near, self.row, self.column):
-            face = int(origin[found.face])
-            drawn[face] = max(drawn.get(face, found), found, key=lambda one: one.inside)
-        return drawn
+    def drawn(self, face: int) -> Drawn | None:
+        """How the driver sees a face at the sample, where it is the one that is modelled."""
+        return self.historian.drawing.at(face, self.sample) if self.modelled else None
 
     def _reason(self, cause: Cause) -> str:
         """Say what went wrong, by the numbers of the method's own model if it has some."""
-        shown, owner = self.drawn.get(self.face), self.drawn.get(self.sight.owner)
+        shown, owner = self.drawn(self.face), self.drawn(self.sight.owner)
         exact = self.shown
         name = self.name(self.sight.owner)
         if cause == Cause.TESSELLATION:
@@ -439,19 +488,13 @@ class _Telling:
     def _tessellated(self) -> str:
         """Say how the polygons lie that stand for the owner."""
         name = self.name(self.sight.owner)
-        polygons = f"the polygons of {self.view.segments} sides that stand for "
-        layers = _polygons_there(self.view, self.row, self.column)
+        polygons = f"the polygons of {self.historian.view.segments} sides that stand for "
+        layers = self.historian.tessellated[self.sample].layers
         own = [layer for layer in layers if layer.face == self.sight.owner and layer.edges]
         if not own or any(layer.covered for layer in own):
             return f"{polygons}curved shapes lie elsewhere"
         missed = min(-layer.nearest_edge[1] for layer in own)
         return f"{polygons}{name} miss the sample by {missed:.3g} px"
-
-
-@lru_cache(maxsize=1)  # every method that is wrong at a sample asks
-def _polygons_there(view: View, row: int, column: int) -> tuple[Layer, ...]:
-    """Look at the polygons that stand for curved shapes on the line of sight of a sample."""
-    return sight(view.tessellated(), row, column).layers
 
 
 def _inside(distance: float) -> str:
@@ -463,30 +506,28 @@ def _inside(distance: float) -> str:
 # ---------------------------------------------------------------- causes
 
 
-def cause_of(view: View, row: int, column: int, seen: Sight, answer: VisibilityMap) -> Cause:
+def cause_of(view: View, near: Nearby, sample: int, seen: Sight, answer: VisibilityMap) -> Cause:
     """Find the stage of its pipeline at which a method goes wrong at one sample.
 
     The models are asked about the faces near the sample first, which is quick; about the whole view
     where that explains nothing, as when triangles elsewhere have a say.
     """
-    near, origin = nearby(view, row, column)
-    number = {int(face): k for k, face in enumerate(origin)} | {BACKGROUND: BACKGROUND}
-    shown = int(answer.face[row, column])
-    if near.placements and shown in number:
+    number = {face: k for k, face in enumerate(near.origin.tolist())} | {BACKGROUND: BACKGROUND}
+    shown = int(answer.face.flat[sample])
+    if near.view.placements and shown in number:
         truth = [number[seen.owner], *(number[face] for face in seen.admissible)]
-        cause = _caused(near, row, column, answer.method, number[shown], truth)
+        cause = _caused(near.view, sample, answer.method, number[shown], truth)
         if cause != Cause.UNEXPLAINED:
             return cause
-    return _caused(view, row, column, answer.method, shown, [seen.owner, *seen.admissible])
+    return _caused(view, sample, answer.method, shown, [seen.owner, *seen.admissible])
 
 
-def _caused(view: View, row: int, column: int, method: str, shown: int, truth: Sequence[int]) -> Cause:
+def _caused(view: View, sample: int, method: str, shown: int, truth: Sequence[int]) -> Cause:
     """Ask for the cause at one sample, as if the maps were empty elsewhere."""
-    sample = row * view.width + column
     faces = np.array(sorted(set(truth)), dtype=np.int32)
     tied = Admissible(np.array([sample]), np.array([0, len(faces)]), faces)
     found = causes(view, _dotted(view, sample, method, shown), _dotted(view, sample, "exact", truth[0], tied))
-    return Cause(int(found.cause[row, column]))
+    return Cause(int(found.cause.flat[sample]))
 
 
 def _dotted(

@@ -17,7 +17,7 @@ import numpy as np
 
 from hsr.algorithms.registry import render
 from hsr.arrays import Floats, Ints
-from hsr.difference.sight import nearby
+from hsr.difference.near import check_sample, nearby
 from hsr.errors import MethodError
 from hsr.scene.gltf import unique
 from hsr.scene.model import Mesh, Object, Scene, Step
@@ -93,7 +93,9 @@ def shrink(
     """
     whole = view(scene, size, camera)
     bench = _Bench(scene, whole, (row, column), (a, b), camera)
-    near, everything = nearby(whole, row, column)[1], np.arange(whole.faces, dtype=np.int32)
+    check_sample(whole, row, column)
+    sample = np.array([row * whole.width + column])
+    near, everything = nearby(whole, sample).origin, np.arange(whole.faces, dtype=np.int32)
     shown = bench.shown(whole, everything)
     if shown[0] == shown[1]:
         name = name_in(whole.manifest, shown[0])

@@ -1,33 +1,35 @@
-"""One line of sight, decided exactly: every face on it, and those that just miss it.
+"""Lines of sight, decided exactly: every face on them, and those that just miss them.
 
-Only the faces near the sample are looked at, and they are set up in exact numbers once as the view
+Only the faces near a sample are looked at, and they are set up in exact numbers once as the view
 has them, which gives the owner, and once without culling and clipping, which gives all that lies
-there at all.
+there at all. Samples of one view share all that is set up, and flat faces are met by all of them
+together; so many cost little more each than what is told of them.
 """
 
 from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import lru_cache
-from itertools import pairwise
+from functools import cached_property
+from itertools import chain, pairwise
 
 import numpy as np
 
-from hsr.arrays import Array, Bools, Floats, Ints
-from hsr.errors import ViewError
-from hsr.exact.decide import Form, Piece, decide
+from hsr.arrays import Array, Bools, Ints
+from hsr.difference.near import Nearby, check_sample, nearby, ranges
+from hsr.exact.decide import Form, Piece
 from hsr.exact.depths import depth_quotient
-from hsr.exact.germs import Polynomial, affine, at, beside
-from hsr.exact.margins import REACH, pixels
+from hsr.exact.germs import Polynomial, at, beside, coefficients
+from hsr.exact.margins import REACH, pixels, pixels_to_zero
 from hsr.exact.numbers import Frame, frame_of, integers
-from hsr.exact.planes import cross
-from hsr.exact.problem import Problem, problem_of
-from hsr.exact.quadrics import form
-from hsr.scene.shapes import Kind, Polygons, Shape
+from hsr.exact.numbers import samples as coordinates
+from hsr.exact.oracle import answers
+from hsr.exact.planes import Triangles, cross, on_planes, triangles_of
+from hsr.exact.quadrics import form, rounds_of
+from hsr.scene.shapes import Kind
 from hsr.viewing import CULL, Placement, View
 from hsr.visibility import BACKGROUND
 
@@ -35,13 +37,6 @@ FRONT, BACK, EDGE_ON = "front", "back", "edge-on"
 
 CULLED = {CULL["none"]: "", CULL["back"]: BACK, CULL["front"]: FRONT}
 """The side that an object culls."""
-
-ROUNDING = 2.0**-49
-"""Bound of the relative error of a coordinate in :func:`_beyond`, 16 u with u = 2^-53.
-
-A side of the pixel carries three roundings, its products with the transform and with the point five
-each (Higham, Accuracy and Stability of Numerical Algorithms, section 3.1); the bound itself is rounded.
-"""
 
 
 @dataclass(frozen=True)
@@ -102,8 +97,14 @@ class Sight:
 
     def of(self, face: int) -> Layer | None:
         """Return the layer of a face that is seen first, None if the face is not near the sample."""
-        layers = [layer for layer in self.layers if layer.face == face]
-        return min(layers, key=lambda layer: layer.removed != "", default=None)
+        return self._first.get(face)
+
+    @cached_property
+    def _first(self) -> dict[int, Layer]:
+        first: dict[int, Layer] = {}
+        for layer in sorted(self.layers, key=lambda layer: layer.removed != ""):
+            first.setdefault(layer.face, layer)
+        return first
 
 
 def sight(view: View, row: int, column: int) -> Sight:
@@ -124,181 +125,81 @@ def sight(view: View, row: int, column: int) -> Sight:
     ViewError
         If there is no such sample, or the view has no exact answer.
     """
-    near, origin = nearby(view, row, column)
-    problem = problem_of(near)
-    line = _Line.of(view, _opened(near), int(problem.i[column]), int(problem.j[row]))
-    owner, admissible = _owner(problem, line.i, line.j)
-    layers = [*_flat_layers(near, line), *_curved_layers(near, line)]
-    name = [*map(int, origin), BACKGROUND]
-    return Sight(
-        name[owner],
-        frozenset(name[face] for face in admissible),
-        tuple(replace(layer, face=name[layer.face]) for layer in sorted(layers, key=_order)),
-    )
+    check_sample(view, row, column)
+    sample = row * view.width + column
+    return sights(nearby(view, np.array([sample])))[sample]
 
 
-def _owner(problem: Problem, i: int, j: int) -> tuple[int, frozenset[int]]:
-    """Decide the sample among the pieces that are not surely beside it."""
-    pieces = _pieces(problem)
-    touching = [piece for piece in pieces if all(int(bound(i, j)) >= 0 for bound in piece.extent)]
-    owner, admissible = decide(touching, i, j, problem.frame.nearer)
-    return pieces[owner].face if owner >= 0 else BACKGROUND, admissible
-
-
-def _pieces(problem: Problem) -> list[Piece]:
-    return [problem.piece(number) for number in range(len(problem.triangles) + len(problem.rounds))]
-
-
-def _order(layer: Layer) -> tuple[int, Fraction]:
-    """Put what covers the sample first, by depth, then the rest by distance, then what is edge-on."""
-    if layer.depth is not None:
-        return 0, layer.depth
-    return (1, -Fraction(layer.nearest_edge[1])) if layer.edges else (2, Fraction(0))
-
-
-# ---------------------------------------------------------------- the faces near a sample
-
-
-@lru_cache(maxsize=1)  # the same sample is asked about several times in a row
-def nearby(view: View, row: int, column: int) -> tuple[View, Ints]:
-    """Leave only the faces that come within a pixel of a sample, and perhaps a few more.
-
-    Of meshes the polygons that may come near are left, each a face of its own; other shapes stay whole.
-
-    Parameters
-    ----------
-    view : View
-    row, column : int
+def sights(near: Nearby) -> dict[int, Sight]:
+    """Look along the lines of sight of all the samples that faces are near.
 
     Returns
     -------
-    View
-        The same camera and size; possibly no object at all.
-    origin : (n,) int32
-        Face of ``view`` that each of its faces is.
+    dict of int to Sight
+        By the number of the sample; faces are those of the whole view.
 
     Raises
     ------
     ViewError
-        If there is no such sample.
+        If the view has no exact answer.
     """
-    check_sample(view, row, column)
-    sides = _pixel_sides(view, row, column)
-    placements: list[Placement] = []
-    origin = [np.zeros(0, dtype=np.int32)]
-    for placement in view.placements:
-        shape, face = _shape_near(placement, sides)
-        if len(face):
-            first = sum(len(part) for part in origin)
-            placements.append(replace(placement, shape=shape, first=first))
-            origin.append(face + np.int32(placement.first))
-    return replace(view, placements=tuple(placements)), np.concatenate(origin)
+    lines, name = _Lines.of(near.view), [*near.origin.tolist(), BACKGROUND]
+    found: dict[int, list[Layer]] = {sample: [] for sample in near.samples.tolist()}
+    for sample, layer in chain(_flat_layers(near, lines), _curved_layers(near, lines)):
+        found[sample].append(layer)
+    told = {}
+    for sample, (owner, admissible) in answers(near.view, near.samples).items():
+        layers = tuple(sorted(found[sample], key=_order))
+        told[sample] = Sight(name[owner], frozenset(name[face] for face in admissible), layers)
+    return told
 
 
-def check_sample(view: View, row: int, column: int) -> None:
-    """Raise :class:`hsr.errors.ViewError` if there is no such sample; row 0 is the top row."""
-    if not (0 <= row < view.height and 0 <= column < view.width):
-        size = f"{view.width}x{view.height}"
-        raise ViewError(f"no sample at column {column}, row {row}: the image is {size}, counted from 0")
-
-
-def _shape_near(placement: Placement, sides: Floats) -> tuple[Shape, Ints]:
-    """Return what is left of an object's shape, and the face of the object that each face of it is."""
-    shape, polygons = placement.shape, placement.shape.polygons
-    everything = np.arange(shape.faces, dtype=np.int32)
-    if polygons is None:
-        return shape, everything
-    chosen = np.flatnonzero(~_beyond(polygons, sides, placement.world_from_object))
-    if shape.kind == Kind.MESH:
-        return Shape(Kind.MESH, shape.label, _chosen(polygons, chosen)), polygons.face[chosen]
-    return shape, everything[: shape.faces if len(chosen) else 0]
-
-
-def _pixel_sides(view: View, row: int, column: int) -> Floats:
-    """Return five world functions (5, 4), negative a pixel beside the sample's lines, or behind the eye.
-
-    On lines of sight x_clip = x_ndc w: no division, and nothing in front of the eye is special.
-    """
-    x, y, _, w = view.clip_from_world
-    left, right = ((2.0 * (column + shift) + 1.0) / view.width - 1.0 for shift in (-REACH, REACH))
-    top, bottom = (1.0 - (2.0 * (row + shift) + 1.0) / view.height for shift in (-REACH, REACH))
-    return np.array([x - left * w, right * w - x, y - bottom * w, top * w - y, w])
-
-
-def _beyond(polygons: Polygons, sides: Floats, world_from_object: Floats) -> Bools:
-    """Tell which polygons (P,) have all corners surely beyond one and the same side."""
-    rows = sides @ world_from_object
-    value = polygons.vertices @ rows[:, :3].T + rows[:, 3]
-    greatest = np.abs(sides) @ np.abs(world_from_object)
-    bound = np.abs(polygons.vertices) @ greatest[:, :3].T + greatest[:, 3]
-    outside = (value < -ROUNDING * bound)[polygons.corner]
-    return np.asarray(np.logical_and.reduceat(outside, polygons.start[:-1], axis=0).any(axis=1))
-
-
-def _chosen(polygons: Polygons, chosen: Array) -> Polygons:
-    """Return some of the polygons, each a face of its own, with only the vertices they use."""
-    loops = [polygons.corner[polygons.start[k] : polygons.start[k + 1]].tolist() for k in chosen]
-    used = sorted({vertex for loop in loops for vertex in loop})
-    number = {vertex: k for k, vertex in enumerate(used)}
-    return Polygons.of(polygons.vertices[used], [[number[vertex] for vertex in loop] for loop in loops])
+def _order(layer: Layer) -> tuple[int, Fraction | float]:
+    """Put what covers the sample first, by depth, then the rest by distance, then what is edge-on."""
+    if layer.depth is not None:
+        return 0, layer.depth
+    return (1, -layer.nearest_edge[1]) if layer.edges else (2, 0.0)
 
 
 # ---------------------------------------------------------------- layers
 
 
 @dataclass(frozen=True, eq=False)
-class _Line:
-    """A line of sight in exact numbers, from the eye to infinity.
+class _Lines:
+    """The lines of sight of a view in exact numbers, from the eye to infinity.
 
     Attributes
     ----------
+    opened : View
+        All there is in front of the eye.
     frame : Frame
-    i, j : int
-        The sample.
     limits : dict of str to (4,) object
         Forms that are negative in front of ``near`` and behind ``far``.
+    i, j : (W,), (H,) object
+        Coordinates of the columns and rows.
     """
 
+    opened: View
     frame: Frame
-    i: int
-    j: int
     limits: Mapping[str, Array]
+    i: Array
+    j: Array
 
     @classmethod
-    def of(cls, view: View, opened: View, i: int, j: int) -> _Line:
+    def of(cls, view: View) -> _Lines:
+        opened = _opened(view)
         frame = frame_of(opened)
         limits = {}
         for name, sign, limit in (("near", 1, view.near), ("far", -1, view.far)):
             if limit < float("inf"):
                 above, below = limit.as_integer_ratio()
                 limits[name] = sign * (below * frame.depth - above * frame.unit)
-        return cls(frame, i, j, limits)
+        i, j = (axis.astype(object) for axis in coordinates(view))
+        return cls(opened, frame, limits, i, j)
 
-    def distance(self, polynomial: Polynomial) -> float:
-        """Pixels from the sample to where a polynomial vanishes, to first order."""
-        return pixels(polynomial, self.i, self.j)
-
-    def layer(
-        self, face: int, facing: str, edges: Mapping[str, float], culls: str, pieces: Iterable[Piece]
-    ) -> Layer | None:
-        """Say how one side of a face lies, which is made of pieces; None if it is too far away."""
-        culled = "culled" if facing == culls else ""
-        spot = beside(self.i, self.j)
-        for piece in pieces:
-            if piece.depth_at(spot) is not None:
-                depth = Fraction(*depth_quotient(self.frame, piece, self.i, self.j))
-                return Layer(face, facing, edges, depth, culled or self._clipped(piece))
-        if min(edges.values(), default=0.0) <= -REACH:
-            return None
-        return Layer(face, facing, edges, None, culled)
-
-    def _clipped(self, piece: Piece) -> str:
-        spot = beside(self.i, self.j)
-        for name, limit in self.limits.items():
-            offset, slope = form(limit)
-            if piece.zeta.at(spot).affine(at(slope, spot), at(offset, spot)).sign() < 0:
-                return name
-        return ""
+    def at(self, sample: Array) -> tuple[Array, Array]:
+        """Return the coordinates of samples (n,)."""
+        return self.i[sample % len(self.i)], self.j[sample // len(self.i)]
 
 
 def _opened(view: View, cull: str = "none") -> View:
@@ -308,53 +209,200 @@ def _opened(view: View, cull: str = "none") -> View:
     return replace(view, placements=placements, near=near, far=float("inf"))
 
 
-def _flat_layers(near: View, line: _Line) -> Iterator[Layer]:
-    pieces = _pieces(problem_of(_opened(near)))
-    for placement in near.placements:
-        polygons = placement.shape.polygons
-        if polygons is None:
+def _triangles_of(triangles: Triangles, face: Ints) -> tuple[Array, Array]:
+    """List the triangles of faces (n,): which of the faces each is of, and its number."""
+    first, end = (np.searchsorted(triangles.face, face, side=side) for side in ("left", "right"))
+    return ranges(first, end)
+
+
+def _affine(forms: Array, i: Array, j: Array) -> Array:
+    """Evaluate affine functions (n, k, 3) at samples (n,)."""
+    return np.asarray(forms[..., 0] * i[:, None] + forms[..., 1] * j[:, None] + forms[..., 2])
+
+
+def _conic(polynomial: Polynomial, i: Array, j: Array) -> Array:
+    """Evaluate a polynomial of the second degree at samples (n,)."""
+    a, b, c, d, e, f = coefficients(polynomial)
+    return np.asarray((a * i + b * j + d) * i + (c * j + e) * j + f)
+
+
+# ---------------------------------------------------------------- flat faces
+
+
+@dataclass(frozen=True, eq=False)
+class _Outlines:
+    """The outlines of polygons on the image.
+
+    Attributes
+    ----------
+    face : (P,) int64
+        Ascending.
+    facing, culls : sequence of str
+        How each faces the eye, and which side of it is culled.
+    edges : (E, 3) object
+        Affine functions of the sample, positive within the polygon; none of those that are edge-on.
+    start : (P + 1,) int64
+    """
+
+    face: Array
+    facing: Sequence[str]
+    culls: Sequence[str]
+    edges: Array
+    start: Array
+
+    @classmethod
+    def of(cls, view: View, frame: Frame) -> _Outlines:
+        flat = [placement for placement in view.placements if not placement.shape.curved]
+        face = [placement.first + np.arange(placement.shape.faces) for placement in flat]
+        culls = [CULLED[placement.cull] for placement in flat for _ in range(placement.shape.faces)]
+        facing: list[str] = []
+        edges, sides = [np.zeros((0, 3), dtype=object)], [np.zeros(1, dtype=np.int64)]
+        for placement in flat:
+            inward, turn, size = _edges(placement, frame)
+            ahead = FRONT, BACK
+            facing += [EDGE_ON if side == 0 else ahead[(side < 0) != placement.mirrored] for side in turn]
+            edges.append(inward)
+            sides.append(size)
+        return cls(
+            np.concatenate([np.zeros(0, dtype=np.int64), *face]),
+            facing,
+            culls,
+            np.concatenate(edges),
+            np.cumsum(np.concatenate(sides)),
+        )
+
+    def distances(self, polygon: Array, sample: Array, lines: _Lines) -> Iterator[list[float]]:
+        """Yield for polygons (n,) and samples (n,) how many pixels each sample is from each edge, inside."""
+        which, edge = ranges(self.start[polygon], self.start[polygon + 1])
+        form = self.edges[edge]
+        value = _affine(form[:, None], *lines.at(sample[which]))[:, 0]
+        square = (self.edges[:, :2] ** 2).sum(axis=1)[edge]
+        pixel = np.frompyfunc(pixels_to_zero, 2, 1)(value, square).tolist()
+        ends = np.searchsorted(which, np.arange(len(polygon) + 1)).tolist()
+        return (pixel[first:end] for first, end in pairwise(ends))
+
+
+def _edges(placement: Placement, frame: Frame) -> tuple[Array, Array, Array]:
+    """Return the edges of an object's polygons, positive inside, their turns and numbers of edges.
+
+    A polygon turns as its triangles do, which are a fan about its first corner.
+    """
+    polygons = placement.shape.polygons
+    assert polygons is not None, "a curved shape has no edges"
+    points = np.column_stack([polygons.vertices, np.ones(len(polygons.vertices))])
+    corners = (integers(points) @ frame.placed(placement.world_from_object).T)[polygons.corner]
+    first, sides = polygons.start[:-1], np.diff(polygons.start)
+    after = np.arange(1, len(corners) + 1)
+    after[polygons.start[1:] - 1] = first
+    edges = cross(corners, corners[after])
+    turn = np.add.reduceat((edges * np.repeat(corners[first, :3], sides, axis=0)).sum(axis=1), first)
+    kept = np.repeat(turn != 0, sides)
+    inward = edges * np.repeat(np.where(turn > 0, 1, -1), sides)[:, None]
+    return inward[kept], turn, np.where(turn != 0, sides, 0)
+
+
+def _flat_layers(near: Nearby, lines: _Lines) -> Iterator[tuple[int, Layer]]:
+    """Yield the samples and the planar faces that cover them, or miss them by less than a pixel."""
+    outlines = _Outlines.of(near.view, lines.frame)
+    polygon = np.searchsorted(outlines.face, near.face)
+    edges = outlines.distances(polygon, near.sample, lines)
+    pairs = zip(near.sample.tolist(), near.face.tolist(), polygon.tolist(), edges, strict=True)
+    met = _met(near, lines)
+    for pair, (sample, face, k, distances) in enumerate(pairs):
+        depth, clipped = met.get(pair, (None, ""))
+        if depth is None and min(distances, default=0.0) <= -REACH:
             continue
-        points = np.column_stack([polygons.vertices, np.ones(len(polygons.vertices))])
-        corners = integers(points) @ line.frame.placed(placement.world_from_object).T
-        for k, (start, end) in enumerate(pairwise(polygons.start)):
-            face = placement.first + k
-            facing, edges = _outline(corners[polygons.corner[start:end]], placement.mirrored, line)
-            present = (piece for piece in pieces if piece.face == face)
-            layer = line.layer(face, facing, edges, CULLED[placement.cull], present)
-            if layer is not None:
-                yield layer
+        facing = outlines.facing[k]
+        removed = "culled" if facing == outlines.culls[k] else clipped
+        named = {f"edge {n}": distance for n, distance in enumerate(distances)}
+        yield sample, Layer(int(near.origin[face]), facing, named, depth, removed)
 
 
-def _outline(corners: Array, mirrored: bool, line: _Line) -> tuple[str, dict[str, float]]:
-    """Return how a polygon with corners (n, 4) of the frame faces the eye, and its edges' distances."""
-    after = np.roll(corners, -1, axis=0)
-    edges = cross(corners, after)
-    turn = sum((edges[1:-1] * corners[0, :3]).sum(axis=1))
-    if turn == 0:
-        return EDGE_ON, {}
-    inward = edges if turn > 0 else -edges
-    facing = FRONT if (turn > 0) != mirrored else BACK
-    return facing, {f"edge {k}": line.distance(affine(edge)) for k, edge in enumerate(inward)}
+def _met(near: Nearby, lines: _Lines) -> dict[int, tuple[Fraction, str]]:
+    """Tell of the pairs whose face covers the sample how deep it lies, and what clips it."""
+    triangles = triangles_of(lines.opened, lines.frame)
+    pair, triangle = _triangles_of(triangles, near.face)
+    half, at = triangles.half[triangle], lines.at(near.sample[pair])
+    (inside,) = np.nonzero((_beside(half, _affine(half, *at)) >= 0).all(axis=1))
+    pair, once = np.unique(pair[inside], return_index=True)
+    zeta, det = triangles.zeta[triangle[inside[once]]], triangles.det[triangle[inside[once]]]
+    at = lines.at(near.sample[pair])
+    clipped = np.full(len(pair), "", dtype=object)
+    for name, limit in reversed(lines.limits.items()):
+        form = on_planes(limit, zeta, det)[:, None]
+        clipped[_beside(form, _affine(form, *at))[:, 0] < 0] = name
+    above, below = (
+        _affine(form[None, None, :3], *at)[:, 0] * det + form[3] * _affine(zeta[:, None], *at)[:, 0]
+        for form in (lines.frame.depth, lines.frame.unit)
+    )
+    depths = map(Fraction, above.tolist(), below.tolist())
+    return dict(zip(pair.tolist(), zip(depths, clipped.tolist(), strict=True), strict=True))
 
 
-def _curved_layers(near: View, line: _Line) -> Iterator[Layer]:
+def _beside(forms: Array, value: Array) -> Array:
+    """Return the signs of affine functions just to the right of and below samples where they have a value.
+
+    Moved by e to the right and by d down, a i + b j + c grows by a e - b d; see :mod:`hsr.exact.germs`.
+    """
+    right, below = forms[..., 0], -forms[..., 1]
+    return np.asarray(np.sign(np.where(value != 0, value, np.where(right != 0, right, below))))
+
+
+# ---------------------------------------------------------------- curved faces
+
+
+def _curved_layers(near: Nearby, lines: _Lines) -> Iterator[tuple[int, Layer]]:
+    """Yield the samples and the sides of curved faces that cover them, or miss them by less than a pixel."""
+    i, j = lines.at(near.samples)
     for facing, other in ((FRONT, "back"), (BACK, "front")):
-        for this in problem_of(_opened(near, cull=other)).rounds:
-            placement = near.placements[int(near.object_of(np.array(this.piece.face)))]
-            edges = _rims(this.piece, placement, line)
-            layer = line.layer(this.piece.face, facing, edges, CULLED[placement.cull], [this.piece])
-            if layer is not None:
-                yield layer
+        for this in rounds_of(_opened(near.view, cull=other), lines.frame, 0):
+            piece = this.piece
+            placement = near.view.placements[int(near.view.object_of(np.array(piece.face)))]
+            face = int(near.origin[piece.face])
+            for k in np.flatnonzero(_reached(piece.extent[0], i, j)):
+                layer = _layer(piece, face, facing, placement, lines, i[k], j[k])
+                if layer is not None:
+                    yield int(near.samples[k]), layer
 
 
-def _rims(piece: Piece, placement: Placement, line: _Line) -> dict[str, float]:
+def _reached(bound: Polynomial, i: Array, j: Array) -> Bools:
+    """Tell where (n,) a polynomial is not negative, or vanishes less than REACH away, to first order."""
+    value = _conic(bound, i, j)
+    square = sum(_conic(bound.derivative(axis), i, j) ** 2 for axis in (0, 1))
+    return np.asarray((value >= 0) | (value**2 < int(2 * REACH) ** 2 * square), dtype=np.bool_)
+
+
+def _layer(
+    piece: Piece, face: int, facing: str, placement: Placement, lines: _Lines, i: int, j: int
+) -> Layer | None:
+    """Say how one side of a curved face lies; None if it is too far away."""
+    edges = _rims(piece, placement, i, j)
+    culled = "culled" if facing == CULLED[placement.cull] else ""
+    if piece.depth_at(beside(i, j)) is not None:
+        depth = Fraction(*depth_quotient(lines.frame, piece, i, j))
+        return Layer(face, facing, edges, depth, culled or _clipped(piece, lines, i, j))
+    if min(edges.values()) <= -REACH:
+        return None
+    return Layer(face, facing, edges, None, culled)
+
+
+def _clipped(piece: Piece, lines: _Lines, i: int, j: int) -> str:
+    spot = beside(i, j)
+    for name, limit in lines.limits.items():
+        offset, slope = form(limit)
+        if piece.zeta.at(spot).affine(at(slope, spot), at(offset, spot)).sign() < 0:
+            return name
+    return ""
+
+
+def _rims(piece: Piece, placement: Placement, i: int, j: int) -> dict[str, float]:
     """Return the distances to what bounds a curved piece on the image."""
     tube = placement.shape.kind == Kind.CYLINDER and piece.face == placement.first
     disc = placement.shape.kind == Kind.CYLINDER and not tube
-    edges = {"rim" if disc else "outline": line.distance(piece.extent[0])}
-    if tube and replace(piece, inside=()).depth_at(beside(line.i, line.j)) is not None:
+    edges = {"rim" if disc else "outline": pixels(piece.extent[0], i, j)}
+    if tube and replace(piece, inside=()).depth_at(beside(i, j)) is not None:
         for name, bound in zip(("base rim", "cap rim"), piece.inside, strict=False):
-            edges[name] = _form_distance(piece, bound, line.i, line.j)
+            edges[name] = _form_distance(piece, bound, i, j)
     return edges
 
 
@@ -365,14 +413,14 @@ def _form_distance(piece: Piece, bound: Form, i: int, j: int) -> float:
     Infinite on the outline, where zeta has none. The integer r has hundreds of digits; so has its root.
     """
     zeta, (offset, slope) = piece.zeta, bound
-    p, q, r, s, level, k = (Fraction(int(x(i, j))) for x in (zeta.p, zeta.q, zeta.r, zeta.s, offset, slope))
-    root = Fraction(math.isqrt(max(int(r), 0)))
+    p, q, r, s, level, k = (int(x(i, j)) for x in (zeta.p, zeta.q, zeta.r, zeta.s, offset, slope))
+    root = math.isqrt(max(r, 0))
     if q and not root:
         return math.inf
-    value = (p + q * root) / s
-    square = Fraction(0)
+    # All over the common denominator s, and 2 root s^2 for the gradient.
+    above, double = p + q * root, 2 * root if q else 1
+    value, square = level * s + k * above, 0
     for axis in (0, 1):
         dp, dr, ds, rise = (int(x.derivative(axis)(i, j)) for x in (zeta.p, zeta.r, zeta.s, offset))
-        square += (rise + k * (dp + (q * dr / (2 * root) if q else 0) - value * ds) / s) ** 2
-    distance = 0.5 * math.sqrt((level + k * value) ** 2 / square) if square else math.inf
-    return distance if level + k * value >= 0 else -distance
+        square += (double * (rise * s * s + k * (dp * s - above * ds)) + k * q * dr * s) ** 2
+    return pixels_to_zero(value * double * s, square)

@@ -106,13 +106,17 @@ def _near(problem: Problem, row: int, column: int) -> list[Piece]:
 
 
 def pixels(polynomial: Polynomial, i: int, j: int) -> float:
-    """Distance to where a polynomial vanishes, to first order; a pixel is two units of (i, j).
-
-    Infinite if the polynomial is stationary at the sample, as what does not cut is.
-    """
+    """Distance to where a polynomial vanishes, to first order; a pixel is two units of (i, j)."""
     slopes = [int(polynomial.derivative(k)(i, j)) for k in (0, 1)]
-    value, square = int(polynomial(i, j)), slopes[0] ** 2 + slopes[1] ** 2
+    return pixels_to_zero(int(polynomial(i, j)), slopes[0] ** 2 + slopes[1] ** 2)
+
+
+def pixels_to_zero(value: int, square: int) -> float:
+    """Turn a value, and the square of its gradient by (i, j), into a distance.
+
+    Infinite if the value is stationary at the sample, as that of what does not cut is.
+    """
     if square == 0:
         return float("inf") if value >= 0 else float("-inf")
-    distance = 0.5 * math.sqrt(Fraction(value**2, square))
+    distance = 0.5 * math.sqrt(value**2 / square)
     return distance if value >= 0 else -distance

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr.arrays import Array, Floats, Ints
+from hsr.exact.decide import Answer
 from hsr.exact.depths import depths_of
 from hsr.exact.filter import Candidates, candidates, round_tables
-from hsr.exact.problem import problem_of
+from hsr.exact.problem import Problem, problem_of
 from hsr.exact.ties import Verdicts, entries, firsts, settle
 from hsr.viewing import View
 from hsr.visibility import BACKGROUND, Admissible
@@ -56,18 +57,58 @@ def truth(view: View) -> Truth:
         If the camera is singular, or its depth does not grow along its lines of sight.
     """
     problem = problem_of(view)
+    owner, verdicts, unsettled = _decided(problem, view, np.arange(view.height * view.width))
+    shape = (view.height, view.width)
+    face, depth = _faces(problem)[owner].reshape(shape), depths_of(problem, owner).reshape(shape)
+    return Truth(face, depth, admissible_of(verdicts), len(unsettled))
+
+
+def answers(view: View, samples: Array) -> dict[int, Answer]:
+    """Decide some samples of a view exactly.
+
+    Parameters
+    ----------
+    view : View
+    samples : (n,) int64
+        Numbers ``row * W + column``, ascending, each once.
+
+    Returns
+    -------
+    dict
+        By sample the face that owns it, and all that may own it; -1 is the background.
+
+    Raises
+    ------
+    ViewError
+        If the camera is singular, or its depth does not grow along its lines of sight.
+    """
+    problem = problem_of(view)
+    owner, verdicts, _ = _decided(problem, view, samples)
+    faces = _faces(problem)[owner[samples]].tolist()
+    found = {sample: (face, frozenset([face])) for sample, face in zip(samples.tolist(), faces, strict=True)}
+    for verdict in verdicts:
+        for sample, which in zip(verdict.sample.tolist(), verdict.answer.tolist(), strict=True):
+            found[sample] = found[sample][0], verdict.answers[which][1]
+    return found
+
+
+def _decided(problem: Problem, view: View, samples: Array) -> tuple[Ints, list[Verdicts], Array]:
+    """Return the piece (H W,) that owns each of some samples, verdicts, and those of unsettled samples."""
     curved = round_tables(problem.rounds, problem.frame.nearer)
     found = candidates(problem.tables, curved, view.height, view.width)
     owner, unsettled = settled_by_filter(found)
+    unsettled = np.intersect1d(unsettled, samples, assume_unique=True)
     verdicts = list(settle(problem, found, unsettled))
     for verdict in verdicts:
         owners = np.array([piece for piece, _ in verdict.answers], dtype=np.int32)
         owner[verdict.sample] = owners[verdict.answer]
+    return owner, verdicts, unsettled
+
+
+def _faces(problem: Problem) -> Ints:
+    """Return the face of every piece, and last that of piece -1, the background."""
     others = [*(this.piece.face for this in problem.rounds), BACKGROUND]
-    face = np.concatenate([problem.triangles.face, np.array(others, dtype=np.int32)])[owner]
-    shape = (view.height, view.width)
-    depth = depths_of(problem, owner)
-    return Truth(face.reshape(shape), depth.reshape(shape), admissible_of(verdicts), len(unsettled))
+    return np.concatenate([problem.triangles.face, np.array(others, dtype=np.int32)])
 
 
 def settled_by_filter(found: Candidates) -> tuple[Ints, Array]:

@@ -9,7 +9,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from hsr.arrays import Floats, Ints
+from hsr.arrays import Array, Floats, Ints
 
 MAX_FACES = 2**31 - 2
 """Face ids are int32, and OpenGL stores face + 1."""
@@ -80,6 +80,15 @@ class Polygons:
 
     def __len__(self) -> int:
         return len(self.face)
+
+    def part(self, chosen: Array) -> Polygons:
+        """Return some of the polygons, by their numbers (n,), with only the vertices they use."""
+        sides = np.diff(self.start)[chosen]
+        start = np.cumsum([0, *sides])
+        place = np.arange(start[-1]) + np.repeat(self.start[chosen] - start[:-1], sides)
+        used, corner = np.unique(self.corner[place], return_inverse=True)
+        vertices = self.vertices[used].astype(np.float64)
+        return Polygons(vertices, corner.astype(np.int32), start.astype(np.int32), self.face[chosen])
 
     @cached_property
     def _fan(self) -> tuple[Ints, Ints]:

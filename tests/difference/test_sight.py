@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hsr.difference.sight import check_sample, nearby, sight
+from hsr.difference.near import check_sample, nearby
+from hsr.difference.sight import sight
 from hsr.errors import ViewError
 from hsr.exact.oracle import truth
 from hsr.viewing import View, view
@@ -52,9 +53,9 @@ def test_the_owner_is_that_of_the_whole_image(camera: dict[str, Any], make_scene
 
 def test_nearby_keeps_every_face_the_sample_shows(make_scene: Any) -> None:
     seen = view(make_scene(CROWD, eye=[0.3, 0.4, 4.0]), (40, 30))
-    near, origin = nearby(seen, 15, 20)
-    assert near.faces == len(origin) < seen.faces
-    assert sight(near, 15, 20).owner == list(origin).index(sight(seen, 15, 20).owner)
+    near = nearby(seen, np.array([15 * 40 + 20]))
+    assert near.view.faces == len(near.origin) < seen.faces
+    assert sight(near.view, 15, 20).owner == near.origin.tolist().index(sight(seen, 15, 20).owner)
 
 
 def test_distances_facing_and_order(make_scene: Any) -> None:

@@ -32,7 +32,6 @@ the very end.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from enum import IntEnum
 
@@ -153,25 +152,47 @@ class Drawn:
     level: int
 
 
-def drawn_at(view: View, row: int, column: int, driver: Driver = LLVMPIPE) -> Iterator[Drawn]:
-    """Tell how the driver sees every triangle at a sample, in drawing order.
+class Drawing:
+    """How the driver sees the triangles of a view at single samples.
 
     Parameters
     ----------
     view : View
         Curved shapes are tessellated.
-    row, column : int
-        Row 0 is the top row.
     driver : Driver
     """
-    outlines = _outlines(view, Stage.DEPTH_FORMAT, driver)
-    up = view.height - 1 - row
-    value = outlines.edges @ np.array([1, column, up])
-    inside = (value / np.hypot(outlines.edges[:, :, 1], outlines.edges[:, :, 2])).min(axis=1, initial=np.inf)
-    levels = np.float32(2.0**driver.depth.bits - 1.0)
-    for face, distance, plane in zip(outlines.face, inside, outlines.plane, strict=True):
-        level = snapped.depth_at(plane, column, up, snapped.UNORM, levels)
-        yield Drawn(int(face), float(distance), int(level))
+
+    def __init__(self, view: View, driver: Driver = LLVMPIPE) -> None:
+        self._outlines = _outlines(view, Stage.DEPTH_FORMAT, driver)
+        self._size = view.width, view.height
+        self._levels = np.float32(2.0**driver.depth.bits - 1.0)
+
+    def at(self, face: int, sample: int) -> Drawn | None:
+        """Tell how the driver sees the triangle of a face that a sample lies deepest within.
+
+        Parameters
+        ----------
+        face : int
+        sample : int
+            ``row * W + column``; row 0 is the top row.
+
+        Returns
+        -------
+        Drawn or None
+            None if it draws no triangle of the face.
+        """
+        faces = self._outlines.face
+        first, end = (np.searchsorted(faces, np.int32(face), side=side) for side in ("left", "right"))
+        if first == end:
+            return None
+        row, column = divmod(sample, self._size[0])
+        up = self._size[1] - 1 - row
+        edges = self._outlines.edges[first:end]
+        inside = (edges @ [1, column, up] / np.hypot(edges[:, :, 1], edges[:, :, 2])).min(axis=1)
+        best = int(inside.argmax())
+        plane = self._outlines.plane[first + best]
+        level = snapped.depth_at(plane, column, up, snapped.UNORM, self._levels)
+        return Drawn(face, float(inside[best]), int(level))
 
 
 def _outlines(view: View, upto: Stage, driver: Driver) -> _Outlines:

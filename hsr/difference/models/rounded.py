@@ -16,7 +16,7 @@ import numpy as np
 from hsr.algorithms import exact
 from hsr.arrays import Array, Bools, Ints
 from hsr.exact.oracle import truth
-from hsr.scene.shapes import Kind, Polygons, Shape
+from hsr.scene.shapes import Kind, Shape
 from hsr.viewing import Placement, View, WorldPolygons
 from hsr.visibility import VisibilityMap
 
@@ -62,20 +62,9 @@ def of_polygons(view: View, polygons: WorldPolygons, chosen: Bools) -> View:
 def _objects(polygons: WorldPolygons, chosen: Bools) -> Iterator[Placement]:
     whole = chosen & (np.diff(polygons.start) >= 3)
     for cull in np.unique(polygons.cull[whole]):
-        part = _part(polygons, whole & (polygons.cull == cull))
+        part = polygons.part(np.flatnonzero(whole & (polygons.cull == cull)))
         shape = Shape(Kind.MESH, "mesh", part)
         yield Placement("", shape, np.eye(4), 0, int(cull), False, (0.0, 0.0, 0.0))
-
-
-def _part(polygons: Polygons, which: Bools) -> Polygons:
-    sides = np.diff(polygons.start)
-    used, corner = np.unique(polygons.corner[np.repeat(which, sides)], return_inverse=True)
-    return Polygons(
-        polygons.vertices[used].astype(np.float64),
-        corner.astype(np.int32),
-        np.concatenate([[0], np.cumsum(sides[which])]).astype(np.int32),
-        polygons.face[which],
-    )
 
 
 def seen_along_third(view: View, x_row: list[float], y_row: list[float], w: float) -> View:
