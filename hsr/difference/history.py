@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache, cached_property, partial
+from functools import cache, cached_property, lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -327,11 +327,6 @@ class Historian:
         return None if layer.depth is None else window_depth(self.view, layer.depth)
 
     @cached_property
-    def drawing(self) -> Drawing:
-        """How the driver that is modelled sees the faces."""
-        return Drawing(self.view)
-
-    @cached_property
     def tessellated(self) -> dict[int, Sight]:
         """What is on the lines of sight where polygons stand for curved shapes, and matter."""
         matter = [
@@ -466,7 +461,7 @@ class _Telling:
 
     def drawn(self, face: int) -> Drawn | None:
         """How the driver sees a face at the sample, where it is the one that is modelled."""
-        return self.historian.drawing.at(face, self.sample) if self.modelled else None
+        return _drawing(self.historian.view).at(face, self.sample) if self.modelled else None
 
     def _reason(self, cause: Cause) -> str:
         """Say what went wrong, by the numbers of the method's own model if it has some."""
@@ -495,6 +490,11 @@ class _Telling:
             return f"{polygons}curved shapes lie elsewhere"
         missed = min(-layer.nearest_edge[1] for layer in own)
         return f"{polygons}{name} miss the sample by {missed:.3g} px"
+
+
+@lru_cache(maxsize=1)  # the whole view is drawn; kept for the next samples of it
+def _drawing(view: View) -> Drawing:
+    return Drawing(view)
 
 
 def _inside(distance: float) -> str:

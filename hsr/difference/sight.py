@@ -328,7 +328,7 @@ def _met(near: Nearby, lines: _Lines) -> dict[int, tuple[Fraction, str]]:
     zeta, det = triangles.zeta[triangle[inside[once]]], triangles.det[triangle[inside[once]]]
     at = lines.at(near.sample[pair])
     clipped = np.full(len(pair), "", dtype=object)
-    for name, limit in reversed(lines.limits.items()):
+    for name, limit in reversed([*lines.limits.items()]):
         form = on_planes(limit, zeta, det)[:, None]
         clipped[_beside(form, _affine(form, *at))[:, 0] < 0] = name
     above, below = (

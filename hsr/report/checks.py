@@ -16,8 +16,8 @@ from hsr.report.page import HELP, part, policy, style, templates
 from hsr.report.pictures import class_picture, data_uri, opaque
 from hsr.shading import face_picture, shade
 
-STORIES = 48
-"""How many samples of a failed check have their history in the page: about a second, however many fail."""
+DIGITS = 50_000
+"""How many digits the histories of a failed check may have: 20 kB and half a second, however many fail."""
 
 
 def write_page(
@@ -96,7 +96,7 @@ def inspected(shown: Shown) -> dict[str, Any]:
     thumbs = [(base, "faces" if shown.view is None else "picture", data_uri(opaque(picture)))]
     for name, difference in shown.differences.items():
         thumbs.append((name, "where it differs", data_uri(class_picture(difference))))
-    return {"scene": inspection(shown, STORIES), "thumbs": thumbs}
+    return {"scene": inspection(shown, DIGITS), "thumbs": thumbs}
 
 
 def _pictures(check: Mapping[str, Any], folder: Path) -> list[tuple[str, str]]:

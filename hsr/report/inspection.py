@@ -7,7 +7,7 @@ than rounding explains. Elsewhere its depths are given as those of the base.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from itertools import zip_longest
 from typing import Any, NamedTuple
 
@@ -17,20 +17,26 @@ from scipy import ndimage
 from hsr.arrays import Array, Floats, Ints
 from hsr.difference.cause import Causes, causes
 from hsr.difference.classes import OTHER_OWNER, Difference, SampleClass
-from hsr.difference.history import MISSED, history
+from hsr.difference.history import MISSED, Historian, History
 from hsr.difference.models.stages import Cause
 from hsr.difference.study import Study
 from hsr.errors import MapError, ViewError
 from hsr.report.outlines import outlines
 from hsr.report.overlays import SMALLEST, Drawn
-from hsr.report.packing import pack, pack_json
+from hsr.report.packing import digits, pack, pack_alike, pack_json
 from hsr.report.pictures import CAUSE_COLOURS, CLASS_COLOURS
 from hsr.shading import depth_span, face_colours, facing
 from hsr.viewing import View
 from hsr.visibility import BACKGROUND, VisibilityMap
 
-STORIES = 96
-"""How many samples of a scene have their history in the page: some seconds to tell, tens of kB to keep."""
+STORIES = 5000
+"""How many samples of a scene have their history in the page, at most: some seconds to tell."""
+
+DIGITS = 2_500_000
+"""How many digits the histories of a page may have, which take most of its bytes: 1 MB."""
+
+AT_ONCE = 500
+"""How many histories are told together."""
 
 CLUSTERS = 200
 """How many clusters of a method can be walked through."""
@@ -98,7 +104,7 @@ class Shown(NamedTuple):
     causes: Mapping[str, Causes]
 
 
-def inspection(study: Study | Shown, most: int = STORIES) -> dict[str, Any]:
+def inspection(study: Study | Shown, most: int = DIGITS) -> dict[str, Any]:
     """Gather what the inspector shows of a study.
 
     Parameters
@@ -106,7 +112,7 @@ def inspection(study: Study | Shown, most: int = STORIES) -> dict[str, Any]:
     study : Study or Shown
         With one map at least.
     most : int
-        How many samples have their history told.
+        How many digits the histories may have; no more are told then.
 
     Returns
     -------
@@ -128,13 +134,13 @@ def inspection(study: Study | Shown, most: int = STORIES) -> dict[str, Any]:
         * ``methods``: ``name``; ``differs``, a bit a sample in reading order, and of the samples (k,) that
           differ from the base how much more ``index`` and ``depth`` are than those of the base, class
           and cause; ``clusters``, each its first row and column, then its box;
-        * ``stories``: by number of the sample the parts of its history, as deflated JSON; ``told``: how
-          many; ``wanted``: how many samples differ or lie beside one that does; ``untold``: what keeps
-          histories from being told at all.
+        * ``told``: the numbers of samples (k,), ascending, whose history is told; ``stories``: the parts
+          of each, packed by :func:`hsr.report.packing.pack_alike`; ``wanted``: how many samples differ or
+          lie beside one that does; ``untold``: what keeps histories from being told at all.
     """
     base = _Whole(study)
-    chosen, wanted = _order(study, most)
-    stories = _stories(study, chosen)
+    chosen, wanted = _order(study, STORIES)
+    stories = _stories(study, chosen, most)
     return {
         "name": study.name,
         "size": [base.map.width, base.map.height],
@@ -148,8 +154,8 @@ def inspection(study: Study | Shown, most: int = STORIES) -> dict[str, Any]:
         "depth": pack(base.depth, 1, 0),
         **_drawing(study.view, base, stories.faces),
         "methods": [_method(study, name, map, base) for name, map in study.maps.items()],
-        "stories": pack_json(stories.parts),
-        "told": len(stories.parts),
+        "told": pack(np.array(sorted(stories.parts), dtype=np.uint32), 0),
+        "stories": pack_alike(stories.parts[sample] for sample in sorted(stories.parts)),
         "wanted": wanted,
         "untold": stories.obstacle,
     }
@@ -240,28 +246,36 @@ def _method(study: Study | Shown, name: str, map: VisibilityMap, base: _Whole) -
 class Stories(NamedTuple):
     """Histories by number of their sample, the faces in them, and what keeps them from being told."""
 
-    parts: dict[str, Any]
+    parts: dict[int, Any]
     faces: Ints
     obstacle: str
 
 
-def _stories(study: Study | Shown, samples: Array) -> Stories:
-    if study.view is None:
-        return Stories({}, np.zeros(0, np.int32), "nothing says which scene the maps show")
-    causes_of = study.causes or _causes(study.view, study.maps)
-    known = {study.maps[name].method: why for name, why in causes_of.items()}
-    maps = list(study.maps.values())
-    parts: dict[str, Any] = {}
+def _stories(study: Study | Shown, samples: Array, most: int) -> Stories:
+    """Tell the histories of samples in their order, as long as there are digits left."""
+    parts: dict[int, Any] = {}
     faces: set[int] = set()
     try:
-        for sample in samples.tolist():
-            row, column = divmod(sample, study.view.width)
-            told = history(study.view, row, column, maps, known)
-            parts[str(sample)] = told.parts()
+        for told in _histories(study, samples):
+            sample = told.row * told.size[0] + told.column
+            parts[sample] = told.parts()
             faces |= {entry.layer.face for entry in told.entries}
+            most -= digits(parts[sample])
+            if most <= 0:
+                break
     except (ViewError, MapError) as error:  # no exact answer, or maps of another scene
         return Stories({}, np.zeros(0, np.int32), str(error))
     return Stories(parts, np.array(sorted(faces), dtype=np.int32), "")
+
+
+def _histories(study: Study | Shown, samples: Array) -> Iterator[History]:
+    if study.view is None:
+        raise MapError("nothing says which scene the maps show")
+    causes_of = study.causes or _causes(study.view, study.maps)
+    known = {study.maps[name].method: why for name, why in causes_of.items()}
+    for first in range(0, len(samples), AT_ONCE):
+        some = samples[first : first + AT_ONCE].tolist()
+        yield from map(Historian(study.view, some, list(study.maps.values()), known).tell, some)
 
 
 def _causes(view: View, maps: Mapping[str, VisibilityMap]) -> dict[str, Causes]:

@@ -24,9 +24,12 @@ from hsr.difference.models.stages import Cause
 from hsr.difference.study import Study
 from hsr.errors import HsrError
 from hsr.output import write_whole
-from hsr.report.inspection import inspection, key
+from hsr.report.inspection import DIGITS, inspection, key
 from hsr.report.pictures import CLASS_COLOURS, class_picture, data_uri, opaque
 from hsr.shading import shade
+
+ALL_DIGITS = 12_000_000
+"""How many digits the histories of all scenes of a page may have, shared out evenly: 5 MB."""
 
 PACKAGES = ("hsr-lab", "numpy", "numba", "scipy", "moderngl")
 """Whose versions a report names, besides Python's."""
@@ -92,7 +95,7 @@ def write_report(
     for found in studies:
         if progress is not None:
             progress(f"histories of {found.name}")
-        data.append(inspection(found))
+        data.append(inspection(found, min(DIGITS, ALL_DIGITS // len(studies))))
     write_whole(path, _render(studies, title, data), "the report")
 
 

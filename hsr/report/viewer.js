@@ -73,13 +73,44 @@
       });
     }
     scene.names = await inflated(packed.names).json();
-    scene.stories = await inflated(packed.stories).json();
+    scene.told = await unpack(packed.told);
     scene.picture = $(`picture-${number}`);
     await scene.picture.decode();
     return scene;
   }
 
   // ---------------------------------------------------------------- what a method shows
+
+  /** The history of a sample, null if it is not in the page. They are unpacked when the first is asked for. */
+  async function storyAt(number) {
+    const k = lowerBound(scene.told, number);
+    if (scene.told[k] !== number) return null;
+    scene.unpacking ??= inflated(scene.stories).json().then(({ columns, ...packed }) => ({
+      ...packed, columns: columns.map((gaps) => gaps.map((column) => column.split(" "))), uses: packed.forms.map(textsOf),
+    }));
+    return valueAt(await scene.unpacking, k);
+  }
+
+  /** The texts of a form, in their order. */
+  function textsOf(form) {
+    if (typeof form === "number") return [form];
+    return typeof form === "object" ? Object.values(form).flatMap(textsOf) : [];
+  }
+
+  /** Undo pack_alike for one value: each text of its form has the next numbers of its columns in its gaps. */
+  function valueAt({ texts, columns, forms, uses, values }, k) {
+    const used = new Uint32Array(texts.length);
+    for (let before = 0; before < k; before++) for (const text of uses[values[before]]) used[text]++;
+    const filled = (form) => {
+      if (typeof form === "number") {
+        const row = used[form]++;
+        return texts[form].split("\0").reduce((start, end, gap) => start + columns[form][gap - 1][row] + end);
+      }
+      if (Array.isArray(form)) return form.map(filled);
+      return typeof form === "object" ? Object.fromEntries(Object.entries(form).map(([name, part]) => [name, filled(part)])) : form;
+    };
+    return filled(forms[values[k]]);
+  }
 
   /** Place of the first of ascending numbers that is not less than a number. */
   function lowerBound(numbers, number) {
@@ -447,8 +478,7 @@
     const { row, column } = sample;
     $("position").textContent = position(row, column);
     shown.forEach((method, side) => drawContext($(side ? "context-right" : "context-left"), scene.methods[method]));
-    const story = scene.stories[row * scene.width + column];
-    $("story").replaceChildren(...(story ? storyOf(story) : [element("p", "quiet", withoutStory())]));
+    tellStory();
     $("methods").replaceChildren(...scene.methods.map((method, k) => {
       const { index, level, kind, cause } = shownAt(method, row, column);
       const found = [key.classes[kind]?.label ?? "same", key.causes[cause]?.label].filter(Boolean).join(", ");
@@ -464,6 +494,14 @@
       });
       return line;
     }));
+  }
+
+  /** Tell the history of the sample once it is unpacked, unless another has been chosen by then. */
+  async function tellStory() {
+    const [open, chosen] = [scene, sample];
+    const story = await storyAt(sample.row * scene.width + sample.column);
+    if (scene !== open || sample !== chosen) return;
+    $("story").replaceChildren(...(story ? storyOf(story) : [element("p", "quiet", withoutStory())]));
   }
 
   function storyOf({ headline, faces, missed, sentences }) {
@@ -483,7 +521,7 @@
   function withoutStory() {
     const { told, wanted, untold, width, height } = scene;
     const command = `hsr explain SCENE ${sample.column},${sample.row} --size ${width}x${height}`;
-    const bound = told < wanted ? ` Of the ${wanted} samples that differ or touch one that does, ${told} have theirs.` : "";
+    const bound = told.length < wanted ? ` Of the ${wanted} samples that differ or touch one that does, ${told.length} have theirs.` : "";
     return untold ? `No histories: ${untold}.` : `The history of this sample is not in the page.${bound} Ask for it: ${command}`;
   }
 
@@ -613,7 +651,7 @@
     fit();
     update();
     const { clusters, samples } = scene.methods[shown[1]];
-    const told = samples.find((number) => number in scene.stories); // ties form no clusters
+    const told = samples.find((number) => scene.told[lowerBound(scene.told, number)] === number); // ties form no clusters
     const first = clusters[0] ?? (told !== undefined && [Math.floor(told / scene.width), told % scene.width]);
     if (row !== undefined) {
       pick(row, column);

@@ -5,13 +5,16 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import hsr
 from hsr.algorithms.registry import render
-from hsr.difference.history import history, window_depth
+from hsr.difference.cause import causes
+from hsr.difference.history import Historian, history, window_depth
 from hsr.difference.models.llvmpipe import predict
 from hsr.errors import MapError, ViewError
 from hsr.viewing import View, view
@@ -198,6 +201,32 @@ def test_tessellation_is_told_with_its_distance(make_scene: Any) -> None:
     # The sample is 1.25 right of and 1.5 below the middle, the side's foot at 1 and 1.
     assert story.cause == "tessellation"
     assert "the polygons of 4 sides that stand for can.cap miss the sample by 0.53 px" in story.sentence
+
+
+# ---------------------------------------------------------------- many samples of a view
+
+
+@pytest.mark.jit
+@pytest.mark.parametrize(
+    ("name", "cause"),
+    [("cyclic", "no depth test"), ("solids", "tessellation"), ("near-cut", "tessellation"), ("menger", "")],
+)
+def test_samples_are_told_together_as_each_is_alone(name: str, cause: str, scenes: Path) -> None:
+    seen = view(hsr.load(scenes / f"{name}.toml"), (60, 45))
+    maps, truth = (
+        [*(render(seen, name) for name in ("painter", "zbuffer")), driver(seen)],
+        render(seen, "exact"),
+    )
+    known = {answer.method: causes(seen, answer, truth) for answer in maps}
+    wrong = np.flatnonzero(np.any([why.cause > 0 for why in known.values()], axis=0))
+    anywhere = np.random.default_rng(0).integers(0, truth.face.size, 20)
+    samples = [*wrong[:: len(wrong) // 8 + 1].tolist(), *anywhere.tolist()]
+    historian, met = Historian(seen, samples, maps, known), set()
+    for sample in samples:
+        together, alone = historian.tell(sample), history(seen, *divmod(sample, 60), maps)
+        assert (together.to_json(), str(together)) == (alone.to_json(), str(alone))
+        met |= {story.cause for story in together.stories}
+    assert cause in met
 
 
 # ---------------------------------------------------------------- forms

@@ -71,6 +71,7 @@ def visit(browser: Any, inspected: Path) -> Iterator[Callable[[str], Any]]:
 def ready(tab: Any) -> None:
     tab.locator("#methods tr").first.wait_for(state="attached")
     tab.wait_for_selector("#inspector:not([aria-busy])")
+    tab.locator("#story p").first.wait_for(state="attached")
 
 
 def chosen(tab: Any) -> list[str]:

@@ -108,7 +108,7 @@ def tab(page: Path) -> Iterator[Any]:
 def opened(tab: Any, page: Path, check: str, sample: tuple[int, int]) -> None:
     """Follow the link of a check to a sample."""
     tab.goto(page.as_uri() + fragment(check, "mine", sample))
-    tab.locator("#methods tr").first.wait_for()
+    tab.locator("#story p").first.wait_for()
     assert tab.locator("#position").inner_text() == f"row {sample[0]}, column {sample[1]}"
 
 

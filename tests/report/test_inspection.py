@@ -13,10 +13,11 @@ from hsr.difference.models.stages import Cause
 from hsr.difference.study import Study, study
 from hsr.errors import ViewError
 from hsr.report import inspection as module
-from hsr.report.inspection import CAUSE_LETTERS, CLASS_LETTERS, EMPTY, FARTHEST, STORIES, inspection, key
+from hsr.report.inspection import CAUSE_LETTERS, CLASS_LETTERS, EMPTY, FARTHEST, inspection, key
 from hsr.report.outlines import outlines
+from hsr.report.packing import digits
 from hsr.shading import face_colours
-from tests.report.unpacking import unpack, unpack_json
+from tests.report.unpacking import stories_of, unpack, unpack_json
 
 
 @pytest.fixture(scope="module")
@@ -78,30 +79,31 @@ def test_colours_are_those_of_faces(told: Any, real: Study) -> None:
 
 
 def test_stories_are_told_of_samples_that_differ_and_around_them(told: Any, real: Study) -> None:
-    stories = unpack_json(told["stories"])
-    assert told["told"] == len(stories) == min(STORIES, told["wanted"]) and not told["untold"]
+    stories = stories_of(told)
+    assert len(stories) == told["wanted"] and not told["untold"]
     for name, difference in real.differences.items():
         for cluster in difference.clusters[:5]:
             row, column = cluster.sample
-            told_of = stories[str(row * real.view.width + column)]
+            told_of = stories[row * real.view.width + column]
             assert told_of["sentences"][list(real.maps).index(name)].startswith(f"{name} shows")
 
 
 def test_stories_are_the_histories(told: Any, real: Study) -> None:
-    for sample, parts in list(unpack_json(told["stories"]).items())[::16]:
-        row, column = divmod(int(sample), real.view.width)
+    for sample, parts in list(stories_of(told).items())[::16]:
+        row, column = divmod(sample, real.view.width)
         assert parts == hsr.history(real.view, row, column, list(real.maps.values())).parts()
 
 
-def test_stories_are_shared_out_when_they_are_cut(real: Study) -> None:
-    found = inspection(real, 6)
+def test_stories_are_shared_out_when_they_are_cut(real: Study, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "AT_ONCE", 4)
+    found = inspection(real, 1000)
+    stories = stories_of(found)
     largest = [
         difference.clusters[0].sample for difference in real.differences.values() if difference.clusters
     ]
-    assert found["told"] == 6 < found["wanted"]
-    assert {str(row * real.view.width + column) for row, column in largest} <= unpack_json(
-        found["stories"]
-    ).keys()
+    assert len(stories) < found["wanted"]
+    assert 1000 <= digits(list(stories.values())) < 1000 + max(map(digits, stories.values()))
+    assert {row * real.view.width + column for row, column in largest} <= stories.keys()
 
 
 def test_neighbours_are_wanted_too(studied: Study) -> None:
@@ -116,8 +118,8 @@ def test_neighbours_are_wanted_too(studied: Study) -> None:
 def test_hidden_edges_are_those_of_faces_in_histories(told: Any, real: Study) -> None:
     seen = np.unique(real.maps["exact"].face)
     met = set()
-    for sample in unpack_json(told["stories"]):
-        row, column = divmod(int(sample), real.view.width)
+    for sample in unpack(told["told"]).tolist():
+        row, column = divmod(sample, real.view.width)
         met |= {entry.layer.face for entry in hsr.history(real.view, row, column, []).entries}
     for faces, edges in (
         (seen[seen >= 0], told["edges"]),
@@ -132,9 +134,9 @@ def test_without_exact_answers_there_are_no_stories(studied: Study, monkeypatch:
     def flattened(*_: Any) -> Any:
         raise ViewError("it is flat")
 
-    monkeypatch.setattr(module, "history", flattened)
+    monkeypatch.setattr(module, "Historian", flattened)
     found = inspection(studied)
-    assert (found["told"], found["untold"], unpack_json(found["stories"])) == (0, "it is flat", {})
+    assert (found["untold"], stories_of(found)) == ("it is flat", {})
 
 
 def test_without_a_reference_the_first_map_is_whole(studied_alone: Study) -> None:
@@ -151,9 +153,7 @@ def test_causes_are_known_though_the_truth_is_no_reference(scenes: Any) -> None:
     found = study(loaded, ["backface", "exact"], "zbuffer", (40, 40))
     assert not found.causes
     sentences = [
-        sentence
-        for parts in unpack_json(inspection(found)["stories"]).values()
-        for sentence in parts["sentences"]
+        sentence for parts in stories_of(inspection(found)).values() for sentence in parts["sentences"]
     ]
     assert any("(no depth test)" in sentence for sentence in sentences)
     assert not any("(unexplained)" in sentence for sentence in sentences)

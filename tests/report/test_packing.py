@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from hsr.report.packing import pack, pack_json
-from tests.report.unpacking import unpack, unpack_json
+from hsr.report.packing import digits, pack, pack_alike, pack_json
+from tests.report.unpacking import unpack, unpack_alike, unpack_json
 
 
 @given(
@@ -34,3 +34,20 @@ def test_what_grows_evenly_is_short() -> None:
 
 def test_json_survives() -> None:
     assert unpack_json(pack_json({"näher": [1, None]})) == {"näher": [1, None]}
+
+
+TEXTS = st.text(st.sampled_from("a#0195 ٣{}"), max_size=12)
+
+
+@given(
+    st.lists(st.recursive(TEXTS | st.booleans(), lambda part: st.lists(part) | st.dictionaries(TEXTS, part)))
+)
+def test_texts_alike_survive(values: list[Any]) -> None:
+    assert unpack_alike(pack_alike(values)) == values
+
+
+def test_texts_that_differ_in_numbers_alone_are_kept_once() -> None:
+    values = [{"line": f"x#{k} is {2 * k} deep"} for k in range(1000)]
+    kept = unpack_json(pack_alike(values))
+    assert (kept["texts"], kept["forms"]) == (["x#\0 is \0 deep"], [{"line": 0}])
+    assert digits(values) == sum(len(f"{k}{2 * k}") for k in range(1000))

@@ -1,0 +1,75 @@
+"""Which faces are near which samples, against their corners' places on the screen."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hsr.difference.near import nearby, ranges
+from hsr.scene.shapes import Kind
+from hsr.viewing import View, view
+
+THINGS: list[dict[str, Any]] = [
+    {"shape": "cube", "name": "box", "transform": [{"rotate_y": 30.0}, {"translate": [-1.0, 0.0, 0.0]}]},
+    {"shape": "menger", "name": "sponge", "level": 1, "transform": [{"rotate_x": 20.0}]},
+    {"shape": "sphere", "name": "ball"},
+    {"shape": "fir", "name": "tree", "transform": [{"scale": 3.0}, {"translate": [0.4, -1.5, 3.9]}]},
+    {"shape": "cube", "name": "behind", "transform": [{"translate": [0.0, 0.0, 9.0]}]},
+]
+"""The tree reaches through the plane of an eye at z = 4; the last cube is behind it."""
+
+
+def screen_boxes(seen: View) -> list[tuple[int, Any]]:
+    """Faces of polygons, and where their corners are on the screen; None if not all are in front of the eye."""
+    boxes: list[tuple[int, Any]] = []
+    for placement in seen.placements:
+        polygons = placement.shape.polygons
+        if polygons is None:
+            continue
+        points = np.column_stack([polygons.vertices, np.ones(len(polygons.vertices))])
+        x, y, _, w = seen.clip_from_world @ placement.world_from_object @ points.T
+        for k in range(len(polygons)):
+            loop = polygons.corner[polygons.start[k] : polygons.start[k + 1]]
+            if (w[loop] < 0).all():
+                continue
+            places = np.stack(
+                [(1 - y[loop] / w[loop]) * seen.height / 2, (x[loop] / w[loop] + 1) * seen.width / 2]
+            )
+            ahead = (w[loop] > 0).all()
+            boxes.append((placement.first + int(polygons.face[k]), places if ahead else None))
+    return boxes
+
+
+@pytest.mark.parametrize("count", [1, 30, 1200])
+def test_pairs_are_those_of_boxes_a_pixel_wider(count: int, make_scene: Any) -> None:
+    seen = view(make_scene(THINGS, eye=[0.3, 0.4, 4.0]), (40, 30))
+    samples = np.sort(np.random.default_rng(count).permutation(1200)[:count])
+    near = nearby(seen, samples)
+    found = set(zip(near.sample.tolist(), near.origin[near.face].tolist(), strict=True))
+    expected = set()
+    for face, places in screen_boxes(seen):
+        for sample in samples.tolist():
+            spot = np.array(divmod(sample, 40))[:, None] + 0.5
+            if places is None or ((places.min(1) <= spot.T + 1) & (places.max(1) >= spot.T - 1)).all():
+                expected.add((sample, face))
+    assert found == expected
+    assert np.array_equal(near.samples, samples)
+    assert [placement.name for placement in near.view.placements if placement.shape.curved] == ["ball"]
+    kinds = {placement.shape.kind for placement in near.view.placements}
+    assert kinds <= {Kind.CUBE, Kind.MESH, Kind.SPHERE}
+
+
+def test_a_sample_has_the_same_faces_with_others_and_alone(make_scene: Any) -> None:
+    seen = view(make_scene(THINGS, eye=[0.3, 0.4, 4.0]), (40, 30))
+    together = nearby(seen, np.arange(0, 1200, 7))
+    for sample in range(0, 1200, 70):
+        alone = nearby(seen, np.array([sample]))
+        faces = together.origin[together.face[together.sample == sample]]
+        assert faces.tolist() == alone.origin[alone.face].tolist()
+
+
+def test_ranges_are_counted_one_after_the_other() -> None:
+    which, number = ranges(np.array([3, 5, 0]), np.array([5, 4, 1]))
+    assert (which.tolist(), number.tolist()) == ([0, 0, 2], [3, 4, 0])
