@@ -16,8 +16,8 @@ ROUNDING = 2.0**-49
 """Bound of the relative error of a screen coordinate in :func:`_boxes`, 16 u with u = 2^-53.
 
 A row of the transform carries four roundings, its product with a point four more, the quotient and what
-turns it into pixels four (Higham, Accuracy and Stability of Numerical Algorithms, section 3.1); the bound
-itself is rounded.
+turns it into pixels four (Higham, Accuracy and Stability of Numerical Algorithms, section 3.1). The rest is
+for the bound's own, and for dividing by a rounded w, which is at least twice its error.
 """
 
 
@@ -117,7 +117,7 @@ def _boxes(view: View, placement: Placement, polygons: Polygons) -> Array:
     rows, greatest = (both(matrix) @ both(placement.world_from_object) for both in (np.asarray, np.abs))
     x, y, w = rows[:, :3] @ polygons.vertices.T + rows[:, 3:]
     error = ROUNDING * (greatest[:, :3] @ np.abs(polygons.vertices.T) + greatest[:, 3:])
-    ahead, nowhere = w > error[2], w < -error[2]
+    ahead, nowhere = w > 2.0 * error[2], w < -error[2]
     first, corner = polygons.start[:-1], polygons.corner
     ends = []
     for value, slack, size in ((-y, error[1], view.height), (x, error[0], view.width)):
