@@ -182,7 +182,7 @@
     return table;
   }
 
-  /** A canvas with one pixel a sample. */
+  /** A canvas with one pixel a sample; beneath classes and causes lies the picture. */
   function painted(method, name) {
     const id = `${method.name}/${name}`;
     if (canvases.has(id)) return canvases.get(id);
@@ -192,7 +192,13 @@
     if (own) method.samples.forEach((sample, k) => { pixels[sample] = table[method[own][k]]; });
     const canvas = document.createElement("canvas");
     [canvas.width, canvas.height] = [scene.width, scene.height];
-    canvas.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(pixels.buffer), scene.width), 0, 0);
+    const context = canvas.getContext("2d");
+    context.putImageData(new ImageData(new Uint8ClampedArray(pixels.buffer), scene.width), 0, 0);
+    if (!whole) {
+      context.globalAlpha = FAINT;
+      context.globalCompositeOperation = "destination-over";
+      context.drawImage(scene.picture, 0, 0, scene.width, scene.height);
+    }
     canvases.set(id, canvas);
     if (canvases.size > KEPT) canvases.delete(canvases.keys().next().value);
     return canvas;
@@ -227,15 +233,17 @@
     });
   }
 
+  /** An empty canvas, opaque: nothing beneath it need be blended in. */
   function cleared(canvas) {
     const { clientWidth: width, clientHeight: height } = canvas;
     const ratio = devicePixelRatio;
     if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
       [canvas.width, canvas.height] = [Math.round(width * ratio), Math.round(height * ratio)];
     }
-    const context = canvas.getContext("2d");
+    const context = canvas.getContext("2d", { alpha: false });
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    context.clearRect(0, 0, width, height);
+    context.fillStyle = getComputedStyle(canvas).backgroundColor;
+    context.fillRect(0, 0, width, height);
     return context;
   }
 
@@ -273,11 +281,7 @@
     const method = scene.methods[shown[side]];
     const name = kindOf(side);
     context.imageSmoothingEnabled = place.scale < 1;
-    if (name === "picture") return put(context, scene.picture, opacity);
-    if (name === "faces" || name === "depth") return put(context, painted(method, name), opacity);
-    put(context, scene.picture, FAINT * opacity);
-    context.imageSmoothingEnabled = false;
-    put(context, painted(method, name), opacity);
+    put(context, name === "picture" ? scene.picture : painted(method, name), opacity);
   }
 
   function put(context, image, opacity) {
