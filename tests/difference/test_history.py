@@ -102,6 +102,15 @@ def test_where_no_depth_is_told_none_is_compared(make_scene: Any) -> None:
     assert "nan" not in str(told)
 
 
+def test_a_face_beside_the_sample_is_compared_by_each_method_s_own_depth(make_scene: Any) -> None:
+    seen = seen_by(make_scene, triangle("near", 1.0), triangle("beside", 0.0, left=1.0))
+    told = history(seen, *SAMPLE, [shown(seen, "one", 1, 8.0), shown(seen, "other", 1, 9.5)])
+    assert told.entries[0].verdicts == {
+        "one": "lost depth to beside#0 by 1",
+        "other": "passed over: 0.5 nearer than beside#0",
+    }
+
+
 def test_a_tie_is_right_either_way(make_scene: Any) -> None:
     seen = seen_by(make_scene, triangle("one", 0.0), triangle("other", 0.0))
     told = history(seen, *SAMPLE, [shown(seen, "zbuffer", 0), shown(seen, "raycast", 1)])

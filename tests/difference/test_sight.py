@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 from hsr.difference.near import check_sample, nearby
-from hsr.difference.sight import sight
+from hsr.difference.sight import _form_distance, sight
 from hsr.errors import ViewError
+from hsr.exact.decide import Piece
+from hsr.exact.germs import NOTHING, I, J, Surd, constant
 from hsr.exact.oracle import truth
 from hsr.viewing import View, view
 
@@ -125,6 +127,35 @@ def test_ties_are_told(make_scene: Any) -> None:
     right = mesh((-0.5, -3.0, 0.0), (3.0, 0.0, 0.0), (-0.5, 3.0, 0.0), name="right")
     here = sight(triangle_view(make_scene, left, right), 3, 3)
     assert (here.owner, here.admissible) == (1, {0, 1})
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (
+            [(-3.0, 0.5, 0.0), (3.0, 0.5, 0.0), (0.0, 3.0, 0.0)],
+            [(-3.0, 0.5, 0.0), (0.0, -3.0, 0.0), (3.0, 0.5, 0.0)],
+        ),
+        (
+            [(-0.5, -3.0, 0.0), (-0.5, 3.0, 0.0), (-3.0, 0.0, 0.0)],
+            [(-0.5, -3.0, 0.0), (3.0, 0.0, 0.0), (-0.5, 3.0, 0.0)],
+        ),
+    ],
+)
+def test_a_side_through_the_sample_belongs_to_what_is_below_and_to_the_right(
+    one: list[Any], other: list[Any], make_scene: Any
+) -> None:
+    seen = triangle_view(make_scene, mesh(*one), mesh(*other, name="other"))
+    assert [layer.covered for layer in map(sight(seen, 3, 3).of, (0, 1)) if layer] == [False, True]
+
+
+def test_distances_to_a_form_are_those_of_its_gradient() -> None:
+    # -1 + 2 (i + j) / j at (3, 4) is 2.5, and its gradient (2 / 4, -6 / 16) is 0.625 long, by half pixels.
+    quotient = Piece(0, (), Surd(I + J, NOTHING, NOTHING, J))
+    assert _form_distance(quotient, (constant(-1), constant(2)), 3, 4) == pytest.approx(2.0)
+    # sqrt(i^2 + j^2) - 6 is -1, and its gradient 1 long.
+    root = Piece(0, (), Surd(NOTHING, constant(1), I * I + J * J, constant(1)))
+    assert _form_distance(root, (constant(-6), constant(1)), 3, 4) == pytest.approx(-0.5)
 
 
 def test_an_empty_line_of_sight(make_scene: Any) -> None:

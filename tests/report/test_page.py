@@ -17,13 +17,15 @@ from hsr.difference.cause import Causes
 from hsr.difference.models.stages import Cause
 from hsr.difference.study import Study
 from hsr.errors import HsrError
+from hsr.report import page as module
 from hsr.report.inspection import inspection
+from hsr.report.packing import digits
 from hsr.report.page import _extent, _figures, _milliseconds, _note, fragment, write_report
 from hsr.report.pictures import class_picture
 from hsr.shading import shade
 from tests.report.policies import assert_strict
 from tests.report.test_pictures import decoded
-from tests.report.unpacking import scene_of
+from tests.report.unpacking import scene_of, stories_of
 
 VOID = {"meta", "br", "img", "link", "hr", "input"}
 
@@ -137,6 +139,17 @@ def test_several_scenes_share_one_page(studied: Study, studied_alone: Study, tmp
     page = (tmp_path / "r.html").read_text(encoding="utf-8")
     assert {"scene-1", "scene-2", "scene-3"} <= set(Balanced(page).ids)
     assert "<h1>A &lt; B</h1>" in page and scene_of(page, 2)["name"] == "boxes"
+
+
+def test_scenes_share_out_the_digits_of_their_histories(
+    real: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "ALL_DIGITS", 5000)
+    told = []
+    for count in (1, 5):
+        write_report(count * [real], tmp_path / "r.html")
+        told.append(digits(list(stories_of(scene_of((tmp_path / "r.html").read_text())).values())))
+    assert 5000 <= told[0] < 5500 and 1000 <= told[1] < 1500
 
 
 def test_nothing_to_report(studied: Study, tmp_path: Path) -> None:
