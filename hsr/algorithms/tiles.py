@@ -24,7 +24,7 @@ from hsr.algorithms.loose import loose_tables, loose_triangles
 from hsr.algorithms.resolve import resolve
 from hsr.arrays import Array, Floats, Ints
 from hsr.jit import thread_count
-from hsr.kernels import doubts, halfspaces, hierarchy, tiles
+from hsr.kernels import doubts, facing, halfspaces, hierarchy, tiles
 from hsr.kernels.halfspaces import CLUSTER, SMALL, TABLE, Eye, U, nearness_at
 from hsr.kernels.projection import clip_rows, to_clip
 from hsr.scene.shapes import Shape
@@ -127,6 +127,10 @@ class Mesh(NamedTuple):
         That around them all.
     slack : (3,) float64
         By how much the vertices, which are rounded, may miss the true ones.
+    culls : (clusters,) int8
+        What all triangles of each cull, 0 if they differ.
+    normals : (low, high) or None
+        The boxes (3, clusters) around their normals; None if nothing is culled.
     """
 
     vertices: Floats
@@ -138,6 +142,8 @@ class Mesh(NamedTuple):
     high: Floats
     box: Floats
     slack: Floats
+    culls: Array
+    normals: tuple[Floats, Floats] | None
 
 
 _meshes: WeakKeyDictionary[WorldPolygons, Mesh] = WeakKeyDictionary()
@@ -160,17 +166,33 @@ def clustered(view: View, chosen: Array, faces: Ints) -> Mesh:
     order, _ = along_the_curve(low, high)
     number, first = chosen[order].astype(np.int32), np.arange(0, len(order), CLUSTER)
     low, high = np.minimum.reduceat(low[order], first), np.maximum.reduceat(high[order], first)
-    return Mesh(
+    vertices, corner = (
         np.ascontiguousarray(polygons.vertices[vertex].T),
         place[polygons.triangle_vertex[number]],
-        polygons.cull[polygons.triangle_polygon[number]],
+    )
+    cull, slack = polygons.cull[polygons.triangle_polygon[number]], world_slack(view)
+    least, most = np.minimum.reduceat(cull, first), np.maximum.reduceat(cull, first)
+    return Mesh(
+        vertices,
+        corner,
+        cull,
         faces[number],
         number,
         np.ascontiguousarray(low.T),
         np.ascontiguousarray(high.T),
         np.stack([low.min(axis=0), high.max(axis=0)]),
-        world_slack(view),
+        slack,
+        np.where(least == most, least, 0),
+        normals_of(vertices, corner, slack) if cull.any() else None,
     )
+
+
+def normals_of(vertices: Floats, corner: Ints, slack: Floats) -> tuple[Floats, Floats]:
+    """Return opposite corners of the boxes around the normals of clusters; see :mod:`hsr.kernels.facing`."""
+    size = (3, -(-len(corner) // CLUSTER))
+    low, high = np.empty(size), np.empty(size)
+    facing.normal_boxes(vertices, corner, slack, low, high)
+    return low, high
 
 
 def along_the_curve(low: Floats, high: Floats) -> tuple[Ints, Ints]:
@@ -243,6 +265,9 @@ def draw(
     """
     extent = np.empty((mesh.low.shape[1], 5))
     uncertain = tiles.lay_out(mesh.vertices, mesh.low, mesh.high, rows, eye, screen, extent)
+    if mesh.normals is not None:
+        sight = facing.sight_of(view.perspective, rows)
+        facing.leave_out((mesh.low, mesh.high), mesh.normals, mesh.culls, mesh.slack, sight, extent)
     loose = _loose(view, mesh, rows, eye, screen) if uncertain else NO_TABLES
     listed, todo = tiles.deal(extent, view.width, view.height, thread_count())
     prepared = (screen, mesh.corner, mesh.cull, mesh.faces)
