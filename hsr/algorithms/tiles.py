@@ -224,13 +224,14 @@ def _vertices(shape: Shape) -> Floats:
 # ---------------------------------------------------------------- once a picture
 
 
+# What over- or underflows here and below is bounded by infinity, and so decided exactly.
+@np.errstate(all="ignore")
 def eye_of(view: View, mesh: Mesh, rows: Floats) -> Eye:
     """Measure a view for the kernels; see :func:`hsr.kernels.halfspaces.eye_around`."""
     size, limits = (view.width, view.height), (view.near, view.far)
     return halfspaces.eye_around(view.perspective, size, limits, rows, mesh.box, mesh.slack)
 
 
-# What over- or underflows here is bounded by infinity, and so decided exactly.
 @np.errstate(all="ignore")
 def draw(
     view: View,
