@@ -102,11 +102,12 @@ def _shape_near(view: View, placement: Placement, samples: Array) -> tuple[Shape
     return Shape(Kind.MESH, shape.label, own), part.face, sample, number
 
 
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")
 def _boxes(view: View, placement: Placement, polygons: Polygons) -> Array:
     """Bound the samples that polygons may come within a pixel of.
 
     A projection is the hull of its projected corners if all are in front of the eye. What lies behind it
-    is nowhere, and what reaches through its plane may be anywhere.
+    is nowhere, and what reaches through its plane, or overflows, may be anywhere.
 
     Returns
     -------
@@ -121,12 +122,12 @@ def _boxes(view: View, placement: Placement, polygons: Polygons) -> Array:
     first, corner = polygons.start[:-1], polygons.corner
     ends = []
     for value, slack, size in ((-y, error[1], view.height), (x, error[0], view.width)):
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            share = value / w
-            place = (share + 1.0) * (size / 2.0) - 0.5
-            margin = REACH + ((slack + np.abs(share) * error[2]) / w + ROUNDING) * (size / 2.0)
-        low = np.minimum.reduceat(np.where(ahead, place - margin, -np.inf)[corner], first)
-        high = np.maximum.reduceat(np.where(ahead, place + margin, np.inf)[corner], first)
+        share = value / w
+        place = (share + 1.0) * (size / 2.0) - 0.5
+        margin = REACH + ((slack + np.abs(share) * error[2]) / w + ROUNDING) * (size / 2.0)
+        bounded = ahead & np.isfinite(margin)
+        low = np.minimum.reduceat(np.where(bounded, place - margin, -np.inf)[corner], first)
+        high = np.maximum.reduceat(np.where(bounded, place + margin, np.inf)[corner], first)
         ends.append((np.clip(np.ceil(low), 0, size), np.clip(np.floor(high), -1, size - 1)))
     box = np.stack([end for both in zip(*ends, strict=True) for end in both], axis=1).astype(np.int64)
     box[np.logical_and.reduceat(nowhere[corner], first), 2:] = -1

@@ -114,9 +114,10 @@ def pixels(polynomial: Polynomial, i: int, j: int) -> float:
 def pixels_to_zero(value: int, square: int) -> float:
     """Turn a value, and the square of its gradient by (i, j), into a distance.
 
-    Infinite if the value is stationary at the sample, as that of what does not cut is.
+    Infinite if the value is stationary at the sample, as that of what does not cut is, or all but so: if the
+    square of the distance is beyond float64.
     """
-    if square == 0:
+    if value**2 >> 1023 >= square:
         return float("inf") if value >= 0 else float("-inf")
     distance = 0.5 * math.sqrt(value**2 / square)
     return distance if value >= 0 else -distance

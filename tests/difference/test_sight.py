@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 
 from hsr.difference.near import check_sample, nearby
-from hsr.difference.sight import _form_distance, sight
+from hsr.difference.sight import _form_distance, sight, sights
 from hsr.errors import ViewError
 from hsr.exact.decide import Piece
 from hsr.exact.germs import NOTHING, I, J, Surd, constant
 from hsr.exact.oracle import truth
 from hsr.viewing import View, view
+from hsr.visibility import BACKGROUND
+from tests.exact.extreme import EXTREME, extreme
 
 PARALLEL = {"type": "orthographic", "eye": [0.0, 0.0, 10.0], "height": 8.0, "near": 0.0, "far": 16.0}
 """With 8 x 8 samples: of (row r, column c) at x = c - 3.5, y = 3.5 - r; a pixel is one unit."""
@@ -147,6 +149,25 @@ def test_a_side_through_the_sample_belongs_to_what_is_below_and_to_the_right(
 ) -> None:
     seen = triangle_view(make_scene, mesh(*one), mesh(*other, name="other"))
     assert [layer.covered for layer in map(sight(seen, 3, 3).of, (0, 1)) if layer] == [False, True]
+
+
+def agrees(seen: View) -> None:
+    """Check some samples against the whole image."""
+    whole = truth(seen)
+    for sample, found in sights(nearby(seen, np.arange(0, whole.face.size, 7))).items():
+        owner = found.of(found.owner)
+        assert found.owner == whole.face.flat[sample]
+        assert found.owner == BACKGROUND or (owner is not None and owner.covered)
+
+
+@pytest.mark.parametrize("name", EXTREME)
+def test_extreme_numbers_do_not_overflow(name: str) -> None:
+    agrees(EXTREME[name]())
+
+
+def test_extreme_views_do_not_overflow() -> None:
+    for seed in range(20):
+        agrees(extreme(seed, curved=True))
 
 
 def test_distances_to_a_form_are_those_of_its_gradient() -> None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from hsr.errors import ViewError
-from hsr.exact.margins import margins
+from hsr.exact.margins import margins, pixels_to_zero
 from hsr.viewing import view
 from tests.exact.hard import scene
 
@@ -31,6 +33,15 @@ def test_the_outline_of_a_sphere() -> None:
     assert inside.gap > 0.5
     assert outside.faces[0].edges[0] == pytest.approx(-0.5, abs=0.1)
     assert outside.faces[0].depth is None
+
+
+@pytest.mark.parametrize(
+    ("value", "square", "distance"),
+    [(-6, 9, -1.0), (0, 0, math.inf), (-1, 0, -math.inf), (2**600, 9, math.inf), (-(2**600), 9, -math.inf)],
+    ids=["near", "flat, zero", "flat, below zero", "far", "far below zero"],
+)
+def test_values_far_from_zero_are_infinitely_far(value: int, square: int, distance: float) -> None:
+    assert pixels_to_zero(value, square) == distance
 
 
 def test_there_must_be_such_a_sample() -> None:
