@@ -51,3 +51,7 @@ def test_texts_that_differ_in_numbers_alone_are_kept_once() -> None:
     kept = unpack_json(pack_alike(values))
     assert (kept["texts"], kept["forms"]) == (["x#\0 is \0 deep"], [{"line": 0}])
     assert digits(values) == sum(len(f"{k}{2 * k}") for k in range(1000))
+
+
+def test_digits_of_escapes_are_none() -> None:
+    assert digits([{"line": "näher#12"}]) == 2
