@@ -74,9 +74,10 @@ def render(view: View, options: Options) -> VisibilityMap:
 
     Notes
     -----
-    Memory beside the answer, which takes 12 bytes a sample: 56 bytes a vertex, 21 a triangle, 88 a cluster of
-    32 and 4 for each tile that the cluster may touch; 540 kB of keys for each thread; 17 bytes for each doubt
-    of the most doubtful tile, at most twice, in every tile that is drawn again.
+    Memory beside the answer, which takes 12 bytes a sample: 56 bytes a vertex, 21 a triangle, 96 a cluster of
+    32, 49 more where something is culled, and 4 for each tile that it may touch; 540 kB of keys for each
+    thread; 17 bytes for each doubt of the most doubtful tile, at most twice, in every tile that is drawn
+    again.
     """
     clock = Clock()
     with clock("prepare"):

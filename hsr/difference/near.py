@@ -129,7 +129,8 @@ def _boxes(view: View, placement: Placement, polygons: Polygons) -> Array:
         low = np.minimum.reduceat(np.where(bounded, place - margin, -np.inf)[corner], first)
         high = np.maximum.reduceat(np.where(bounded, place + margin, np.inf)[corner], first)
         ends.append((np.clip(np.ceil(low), 0, size), np.clip(np.floor(high), -1, size - 1)))
-    box = np.stack([end for both in zip(*ends, strict=True) for end in both], axis=1).astype(np.int64)
+    (top, bottom), (left, right) = ends
+    box = np.stack([top, left, bottom, right], axis=1).astype(np.int64)
     box[np.logical_and.reduceat(nowhere[corner], first), 2:] = -1
     return box
 

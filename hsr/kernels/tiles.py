@@ -172,7 +172,7 @@ def deal(extent: Floats, width: int, height: int, threads: int) -> tuple[Ints, A
         List after list.
     tiles : (T, 4) int64
         Row and column of a tile, where its list begins and where it ends. Each thread takes one run of them,
-        all as long: in this order each run holds long lists and short ones.
+        all as long: in this order each run holds long lists and short ones, as long as all are drawn.
     """
     columns = -(-width // COLUMNS)
     number = -(-height // LINES) * columns

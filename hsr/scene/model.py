@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -42,6 +43,12 @@ def _exactly(count: int, what: str = "numbers") -> BeforeValidator:
     return BeforeValidator(check)
 
 
+def _printable(name: str) -> str:
+    if not name.isprintable():
+        raise ValueError("expected printable characters")
+    return name
+
+
 def _thrice(value: Any) -> Any:
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     return (value, value, value) if is_number else value
@@ -67,7 +74,7 @@ Colour = Annotated[tuple[Channel, Channel, Channel], _exactly(3)]
 Loop = Annotated[tuple[int, ...], BeforeValidator(_as_tuple), Field(min_length=3)]
 Triangle = Annotated[tuple[int, int, int], _exactly(3, "vertex indices")]
 Pair = Annotated[tuple[float, float], _exactly(2)]
-Name = Annotated[str, Field(min_length=1, max_length=80)]
+Name = Annotated[str, Field(min_length=1, max_length=80), AfterValidator(_printable)]
 
 
 class Description(BaseModel):

@@ -62,6 +62,7 @@ PROBLEMS = [
     ),
     ({"camera": [CAMERA], "object": [CUBE, CUBE]}, "object: names must differ; more than one is called 'a'"),
     ({"camera": [CAMERA], "object": [7]}, "object[0]: expected a table, got 7"),
+    (scene(thing={**CUBE, "name": "a\0"}), "object[0].name: expected printable characters"),
     (scene({**CAMERA, "fov": 180}), "camera[0].fov: must be less than 180, got 180"),
     (scene({**CAMERA, "near": 0}), "camera[0].near: must be greater than 0, got 0"),
     (scene({**CAMERA, "far": 0.05}), "camera[0]: far (0.05) must be greater than near (0.1)"),

@@ -24,7 +24,7 @@ CHUNK = 2**12
 """Samples decided at a time: each takes some hundred bytes as Python's numbers."""
 
 KEPT = 2**15
-"""Pieces, or corners of pieces, that are kept: each takes up to some 3 kB."""
+"""Pieces, or corners of pieces, that are kept: each takes some 3 kB, or 14 where numbers are extreme."""
 
 OWNER = np.dtype([("face", np.int32), ("depth", np.float64)])
 """Who owns a sample, and how deep."""
