@@ -62,6 +62,9 @@ line of its depths is a page of memory: narrow tiles took three times as long to
 CELL = 8
 """Side in samples of the cells whose farthest depth is known."""
 
+SHARES = 64
+"""In which vertices and clusters are laid out: both at once, for it takes time to wake threads."""
+
 SLICES = 2048
 """Of depth, in which things are put in order."""
 
@@ -105,14 +108,22 @@ def lay_out(
     int
         How many vertices are not certain within ``LOOSE``.
     """
-    uncertain = 0
-    for k in prange(-(-vertices.shape[1] // SIDE_BY_SIDE)):
-        first, end = k * SIDE_BY_SIDE, min((k + 1) * SIDE_BY_SIDE, vertices.shape[1])
-        uncertain += project(vertices, first, end, entries(rows), eye, screen, first)
-    for k in prange(-(-low.shape[1] // SIDE_BY_SIDE)):
-        first, end = k * SIDE_BY_SIDE, min((k + 1) * SIDE_BY_SIDE, low.shape[1])
-        reach(low, high, first, end, entries(rows), eye, extent)
+    uncertain, matrix = 0, entries(rows)
+    for share in prange(SHARES):
+        first, end = share_of(vertices.shape[1], share)
+        for start in range(first, end, SIDE_BY_SIDE):
+            stop = min(start + SIDE_BY_SIDE, end)
+            uncertain += project(vertices, start, stop, matrix, eye, screen, start)
+        first, end = share_of(low.shape[1], share)
+        for start in range(first, end, SIDE_BY_SIDE):
+            reach(low, high, start, min(start + SIDE_BY_SIDE, end), matrix, eye, extent)
     return uncertain
+
+
+@jit
+def share_of(count: int, share: int) -> tuple[int, int]:
+    """Return the first and the end of one of ``SHARES`` equal shares."""
+    return count * share // SHARES, count * (share + 1) // SHARES
 
 
 @jit
