@@ -21,6 +21,7 @@ from hsr.arrays import Array, Floats, Ints
 from hsr.errors import MethodError, UnavailableError
 from hsr.jit import thread_count
 from hsr.kernels.packets import PACKET_SIDE, Sight
+from hsr.kernels.threads import threads_apart
 from hsr.scene.transforms import placed
 from hsr.viewing import CULL, View, WorldPolygons
 from hsr.visibility import BACKGROUND, Clock, VisibilityMap, depth_format
@@ -85,7 +86,7 @@ def render(view: View, options: Options) -> VisibilityMap:
         face_of = np.append(face, np.int32(BACKGROUND))  # Embree numbers a miss -1: the last entry
     with clock("build"):
         scene = interface.build(vertices, corner)
-    with clock("render"):
+    with clock("render"), threads_apart():
         face, depth = interface.trace(scene, view, face_of)
     work = {"rays": view.width * view.height, "triangles": len(corner)}
     return VisibilityMap(face, depth, "embree", work, clock.seconds, _notes(view, interface))

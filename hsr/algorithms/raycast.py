@@ -21,6 +21,7 @@ from hsr.arrays import Array, Floats, Ints
 from hsr.errors import MethodError
 from hsr.kernels import hierarchy, rays, triangles
 from hsr.kernels.bounds import nearness_of
+from hsr.kernels.threads import threads_apart
 from hsr.scene.shapes import Kind, Polygons, Shape
 from hsr.viewing import Rays, View
 from hsr.visibility import Clock, VisibilityMap, depth_format
@@ -147,7 +148,7 @@ def render(view: View, options: Options) -> VisibilityMap:
         size = (view.height, view.width)
         face, depth = np.empty(size, np.int32), np.empty(size)
         work = np.zeros((view.height, len(COUNTED)), np.int64) if options.count else None
-    with clock("render"):
+    with clock("render"), threads_apart():
         rays.cast(camera, data, _way(options), face, depth, work)
     counts = {} if work is None else dict(zip(COUNTED, work.sum(axis=0).tolist(), strict=True))
     step = float(np.finfo(options.arithmetic).eps)

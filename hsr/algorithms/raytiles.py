@@ -28,6 +28,7 @@ from hsr.kernels import doubts, hierarchy, raytiles
 from hsr.kernels.halfspaces import CLUSTER, ERROR, LANES, LOOSE, SIDE_BY_SIDE, SMALL, Eye, U, eye_between
 from hsr.kernels.projection import clip_rows, to_clip
 from hsr.kernels.raytiles import MEMBER, NO_QUADRIC, SHARE
+from hsr.kernels.threads import threads_apart
 from hsr.kernels.tiles import CELL, COLUMNS, LINES, deal
 from hsr.scene.shapes import Kind, Shape
 from hsr.viewing import Placement, View, reversed_loops
@@ -65,7 +66,7 @@ def render(view: View, certified: bool) -> VisibilityMap:
         # Touch the memory now: the first touch of a page takes longer than what is computed in it.
         room, size = _room(world.members), (view.height, view.width)
         face, depth = np.full(size, -1, np.int32), np.full(size, np.inf)
-    with clock("render"):
+    with clock("render"), threads_apart():
         rows = clip_matrices(view)
         eye = eye_of(view, world, rows)
         caster = Caster(view, world, rows, eye, certified, (world.faces, face, depth))

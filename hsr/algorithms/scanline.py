@@ -25,6 +25,7 @@ from hsr.errors import MethodError
 from hsr.kernels import scanline
 from hsr.kernels.clipping import clip_polygons, view_volume
 from hsr.kernels.projection import clip_rows, to_clip, to_screen
+from hsr.kernels.threads import threads_apart
 from hsr.viewing import View
 from hsr.visibility import Clock, VisibilityMap
 
@@ -158,7 +159,7 @@ def render(view: View, options: Options) -> VisibilityMap:
     with clock("prepare"):
         view = view.tessellated()
         polygons = view.polygons
-    with clock("render"):
+    with clock("render"), threads_apart():
         clip = to_clip(polygons.vertices, clip_rows(view.clip_from_world, view.depth_row))
         face, depth, work, depths = scan_polygons(
             view, clip, polygons.cull, options, TESTS[options.depth_test]

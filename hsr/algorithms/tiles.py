@@ -27,6 +27,7 @@ from hsr.jit import thread_count
 from hsr.kernels import doubts, facing, halfspaces, hierarchy, tiles
 from hsr.kernels.halfspaces import CLUSTER, SMALL, TABLE, Eye, U, nearness_at
 from hsr.kernels.projection import clip_rows, to_clip
+from hsr.kernels.threads import threads_apart
 from hsr.scene.shapes import Shape
 from hsr.viewing import View, WorldPolygons
 from hsr.visibility import Clock, VisibilityMap, depth_format
@@ -89,7 +90,7 @@ def render(view: View, options: Options) -> VisibilityMap:
             np.full((view.height, view.width), -1, np.int32),
             np.full((view.height, view.width), np.inf),
         )
-    with clock("render"):
+    with clock("render"), threads_apart():
         rows = clip_rows(view.clip_from_world, view.depth_row)
         eye = eye_of(view, mesh, rows)
         found, counts = draw(view, mesh, rows, eye, screen, options.certified, (face, depth))
