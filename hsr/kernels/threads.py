@@ -29,7 +29,8 @@ def threads_apart() -> Iterator[None]:
     is not Linux, or forbids it. For the first thread of a program that asks.
     """
     allowed: dict[int, set[int]] = {}
-    with suppress(AttributeError, OSError):
+    # Windows answers the question for the C library with a TypeError.
+    with suppress(AttributeError, OSError, TypeError):
         here = {ctypes.CDLL(None).sched_getcpu()}
         for helper in _helpers():
             before = os.sched_getaffinity(helper)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import threading
 
@@ -34,14 +35,14 @@ def test_each_share_is_run_by_a_thread_of_its_own() -> None:
     assert len(set(ids.tolist())) == len(ids) and ids[0] == threading.get_native_id()
 
 
-@pytest.mark.parametrize("error", [OSError, AttributeError])
+@pytest.mark.parametrize("where", ["sched_getaffinity", "sched_setaffinity", "CDLL"])
+@pytest.mark.parametrize("error", [OSError, AttributeError, TypeError])
 def test_what_the_system_does_not_offer_is_left_alone(
-    error: type[Exception], monkeypatch: pytest.MonkeyPatch
+    error: type[Exception], where: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(*_: object) -> None:
         raise error
 
-    monkeypatch.setattr(os, "sched_setaffinity", refuse, raising=False)
-    monkeypatch.setattr(os, "sched_getaffinity", refuse, raising=False)
+    monkeypatch.setattr(ctypes if where == "CDLL" else os, where, refuse, raising=False)
     with threads.threads_apart():
         pass
