@@ -32,7 +32,7 @@ test: $(VENV)/test.stamp opengl browser
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/pytest -n 2
-	NUMBA_DISABLE_JIT=1 $(BIN)/pytest -n 2 tests/kernels tests/algorithms tests/exact tests/difference
+	NUMBA_DISABLE_JIT=1 $(BIN)/pytest -n 2 tests/kernels tests/algorithms tests/certify tests/exact tests/models tests/difference
 
 
 proof: $(VENV)/test.stamp opengl

@@ -15,8 +15,8 @@ from typing import Annotated
 import typer
 
 import hsr
-from hsr.experiments.publish import publish, to_markdown
-from hsr.experiments.speed import make_case, measure
+from hsr.lab.publish import publish, to_markdown
+from hsr.lab.speed import make_case, measure
 
 
 def main(

@@ -24,7 +24,7 @@ from rich.console import Console
 from rich.table import Table
 
 import hsr
-from hsr.viewing import View
+from hsr.problem.view import View
 
 STEP = 1.0 / (2**24 - 1)
 """Of a 24-bit depth buffer, in window depth."""

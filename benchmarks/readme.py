@@ -11,9 +11,9 @@ import json
 from pathlib import Path
 from typing import Any
 
-from hsr.experiments.publish import case_markdown, conditions, to_markdown, to_svg
-from hsr.experiments.results import Results, load_results
-from hsr.experiments.stability.summary import headline, markdown
+from hsr.lab.publish import case_markdown, conditions, to_markdown, to_svg
+from hsr.lab.results import Results, load_results
+from hsr.lab.stability.summary import headline, markdown
 
 ROOT = Path(__file__).parent.parent
 README = ROOT / "README.md"

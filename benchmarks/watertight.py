@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from hsr.experiments.watertight import AIMS, SEGMENTS, aimed, escapes
+from hsr.lab.watertight import AIMS, SEGMENTS, aimed, escapes
 from hsr.scene.shapes import Kind, tessellated
 
 RAYS, SEED = 20_000, 0

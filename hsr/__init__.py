@@ -10,36 +10,36 @@ if TYPE_CHECKING:
     from hsr.algorithms.registry import Method as Method
     from hsr.algorithms.registry import methods as methods
     from hsr.algorithms.registry import render as render
+    from hsr.base.errors import HsrError as HsrError
     from hsr.difference.cause import causes as causes
     from hsr.difference.classes import Difference as Difference
     from hsr.difference.classes import compare as compare
     from hsr.difference.history import history as history
-    from hsr.errors import HsrError as HsrError
+    from hsr.problem.map import VisibilityMap as VisibilityMap
+    from hsr.problem.map import load_map as load_map
+    from hsr.problem.view import View as View
+    from hsr.problem.view import view as view
     from hsr.scene.files import load as load
     from hsr.scene.model import Scene as Scene
-    from hsr.viewing import View as View
-    from hsr.viewing import view as view
-    from hsr.visibility import VisibilityMap as VisibilityMap
-    from hsr.visibility import load_map as load_map
 
 __version__ = "0.2.0"
 
 # Imported on first use: `hsr --help` must not wait for numba or trimesh.
 _HOME = {
     "Difference": "hsr.difference.classes",
-    "HsrError": "hsr.errors",
+    "HsrError": "hsr.base.errors",
     "Method": "hsr.algorithms.registry",
     "Scene": "hsr.scene.model",
-    "View": "hsr.viewing",
-    "VisibilityMap": "hsr.visibility",
+    "View": "hsr.problem.view",
+    "VisibilityMap": "hsr.problem.map",
     "causes": "hsr.difference.cause",
     "compare": "hsr.difference.classes",
     "history": "hsr.difference.history",
     "load": "hsr.scene.files",
-    "load_map": "hsr.visibility",
+    "load_map": "hsr.problem.map",
     "methods": "hsr.algorithms.registry",
     "render": "hsr.algorithms.registry",
-    "view": "hsr.viewing",
+    "view": "hsr.problem.view",
 }
 
 __all__ = [*sorted(_HOME), "__version__", "testing"]

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from hsr.errors import NoOpenGLError, UnavailableError
+from hsr.base.errors import NoOpenGLError, UnavailableError
 
 if TYPE_CHECKING:
     from hsr.testing.recording import Visibility

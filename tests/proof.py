@@ -34,10 +34,10 @@ from rich.progress import Progress
 
 import hsr
 from hsr.algorithms.registry import method_named
+from hsr.base.errors import UnavailableError
 from hsr.difference.cause import Causes, causes
-from hsr.errors import UnavailableError
+from hsr.problem.view import View
 from hsr.scene.model import Perspective
-from hsr.viewing import View
 from tests.exact.adversarial import adversarial
 
 SCENES = Path(__file__).parent.parent / "scenes"

@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from hsr.cli import app
-from hsr.errors import UnavailableError
-from hsr.experiments.stability.family import families, family_named
-from tests.experiments.made_up import results, row
+from hsr.base.errors import UnavailableError
+from hsr.cli.app import app
+from hsr.lab.stability.family import families, family_named
+from tests.lab.made_up import results, row
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")

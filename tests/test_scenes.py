@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import hsr
-from hsr.arrays import Array, Floats, Ints
+from hsr.base.arrays import Array, Floats, Ints
+from hsr.problem.view import View
 from hsr.scene.info import describe
 from hsr.scene.model import Scene
-from hsr.viewing import View
 from tests.conftest import SCENES
 
 FILES = sorted(SCENES.glob("*.toml"))

@@ -17,14 +17,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr.algorithms import scanline
-from hsr.arrays import Array, Floats
-from hsr.errors import MethodError
+from hsr.base.arrays import Array, Floats
+from hsr.base.errors import MethodError
 from hsr.kernels.clipping import clip_polygons, view_volume
 from hsr.kernels.culling import facing_by_determinant, facing_by_normal, facing_in_ndc
 from hsr.kernels.projection import clip_rows, to_clip
 from hsr.kernels.scanline import ALWAYS, CULL_BACK, CULL_BOTH
-from hsr.viewing import View
-from hsr.visibility import Clock, VisibilityMap
+from hsr.problem.map import Clock, VisibilityMap
+from hsr.problem.view import View
 
 PAINT = scanline.Options(stepping="direct", count=True)
 """How polygons are drawn."""

@@ -2,7 +2,7 @@
 
 ``embreex`` is that package's own: it hands over one ray after another, on one thread. ``single`` and
 ``packets`` call the library inside it, one ray or 4 x 4 coherent ones at a time, on Numba's threads; see
-:mod:`hsr.algorithms.embree_library`. The rays are the same. Embree counts distances in units of the
+:mod:`hsr.embree.library`. The rays are the same. Embree counts distances in units of the
 direction as given, so that t is a depth. A ray starts at its point at near: embreex has no other way to
 begin later than at its origin.
 """
@@ -16,15 +16,15 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from hsr.algorithms import embree_library
-from hsr.arrays import Array, Floats, Ints
-from hsr.errors import MethodError, UnavailableError
-from hsr.jit import thread_count
-from hsr.kernels.packets import PACKET_SIDE, Sight
+from hsr.base.arrays import Array, Floats, Ints
+from hsr.base.errors import MethodError, UnavailableError
+from hsr.base.jit import thread_count
+from hsr.embree import library
+from hsr.embree.packets import PACKET_SIDE, Sight
 from hsr.kernels.threads import threads_apart
+from hsr.problem.map import BACKGROUND, Clock, VisibilityMap, depth_format
+from hsr.problem.view import CULL, View, WorldPolygons
 from hsr.scene.transforms import placed
-from hsr.viewing import CULL, View, WorldPolygons
-from hsr.visibility import BACKGROUND, Clock, VisibilityMap, depth_format
 
 Interface = Literal["embreex", "single", "packets"]
 
@@ -202,14 +202,14 @@ class _Library:
 
     def __init__(self, packets: bool) -> None:
         self.packets, self.threads = packets, thread_count()
-        self.device = embree_library.device(self.threads)
-        self.driver = f"Embree {embree_library.version(self.device)}"
+        self.device = library.device(self.threads)
+        self.driver = f"Embree {library.version(self.device)}"
 
-    def build(self, vertices: Array, corner: Ints) -> embree_library.Scene:
+    def build(self, vertices: Array, corner: Ints) -> library.Scene:
         """Have the hierarchy built."""
-        return embree_library.Scene(self.device, vertices, corner)
+        return library.Scene(self.device, vertices, corner)
 
-    def trace(self, scene: embree_library.Scene, view: View, face_of: Ints) -> tuple[Ints, Floats]:
+    def trace(self, scene: library.Scene, view: View, face_of: Ints) -> tuple[Ints, Floats]:
         """Return face and depth (H, W) of the nearest hit of each sample's ray."""
         return scene.trace(_sight(view), self.packets, face_of, (view.height, view.width))
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hsr.exact.oracle import truth
-from hsr.viewing import View
-from hsr.visibility import Clock, VisibilityMap
+from hsr.problem.map import Clock, VisibilityMap
+from hsr.problem.view import View
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 """OpenGL as a method: what the driver of this machine sees of a view.
 
 The map is the driver's own: float32 vertices and matrix, corners snapped to its sub-pixel grid, a
-depth buffer of 24 bits unless another is asked for. See :mod:`hsr.opengl.drawing` for how it is drawn, and
-:mod:`hsr.opengl.contexts` for which driver draws, and with how many threads.
+depth buffer of 24 bits unless another is asked for. See :mod:`hsr.gl.drawing` for how it is drawn, and
+:mod:`hsr.gl.contexts` for which driver draws, and with how many threads.
 """
 
 from __future__ import annotations
@@ -10,12 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from hsr.errors import MethodError
-from hsr.opengl.contexts import BACKENDS, Context, shared_context
-from hsr.opengl.depth import DEPTH_BUFFERS, DepthBuffer
-from hsr.opengl.drawing import Drawing
-from hsr.viewing import View
-from hsr.visibility import Clock, VisibilityMap, depth_format
+from hsr.base.errors import MethodError
+from hsr.gl.contexts import BACKENDS, Context, shared_context
+from hsr.gl.depth import DEPTH_BUFFERS, DepthBuffer
+from hsr.gl.drawing import Drawing
+from hsr.problem.map import Clock, VisibilityMap, depth_format
+from hsr.problem.view import View
 
 
 @dataclass(frozen=True)

@@ -15,12 +15,12 @@ import numpy as np
 
 from hsr.algorithms import scanline
 from hsr.algorithms.backface import PAINT
-from hsr.arrays import Floats, Ints
+from hsr.base.arrays import Floats, Ints
 from hsr.kernels.projection import clip_rows, to_clip
 from hsr.kernels.scanline import ALWAYS
+from hsr.problem.map import Clock, VisibilityMap
+from hsr.problem.view import Placement, View, WorldPolygons
 from hsr.scene.shapes import Kind, Polygons, Shape
-from hsr.viewing import Placement, View, WorldPolygons
-from hsr.visibility import Clock, VisibilityMap
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 Four ways to go through the objects: the plain list of the textbook, the list with an extent around every
 object, hierarchies of extents for single rays, and coherent tiles of rays. The first three are rounded, and
-give one answer; tiles are certified, and give the true one (:mod:`hsr.algorithms.raytiles`).
+give one answer; tiles are certified, and give the true one (:mod:`hsr.algorithms.prepare.ray_tiles`).
 
 Single rays can be studied besides: with the triangle tests of the literature in place of that on the
 screen, in float32, and with extents that take no care of rounding. Those do not all answer the same.
@@ -16,15 +16,15 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from hsr.algorithms import raytiles
-from hsr.arrays import Array, Floats, Ints
-from hsr.errors import MethodError
-from hsr.kernels import hierarchy, rays, triangles
-from hsr.kernels.bounds import nearness_of
+from hsr.algorithms.prepare import ray_tiles
+from hsr.base.arrays import Array, Floats, Ints
+from hsr.base.errors import MethodError
+from hsr.kernels import hierarchy, rays, triangle_tests
+from hsr.kernels.boxes import nearness_of
 from hsr.kernels.threads import threads_apart
+from hsr.problem.map import Clock, VisibilityMap, depth_format
+from hsr.problem.view import Rays, View
 from hsr.scene.shapes import Kind, Polygons, Shape
-from hsr.viewing import Rays, View
-from hsr.visibility import Clock, VisibilityMap, depth_format
 
 Acceleration = Literal["tiles", "hierarchy", "extents", "none"]
 Test = Literal["screen", "edge-planes", "moller-trumbore", "woop"]
@@ -34,10 +34,10 @@ Slabs = Literal["robust", "naive"]
 WAYS = {"none": rays.LIST, "extents": rays.EXTENTS, "hierarchy": rays.HIERARCHY}
 
 TESTS = {
-    "screen": triangles.SCREEN,
-    "edge-planes": triangles.EDGE_PLANES,
-    "moller-trumbore": triangles.MOLLER_TRUMBORE,
-    "woop": triangles.WOOP,
+    "screen": triangle_tests.SCREEN,
+    "edge-planes": triangle_tests.EDGE_PLANES,
+    "moller-trumbore": triangle_tests.MOLLER_TRUMBORE,
+    "woop": triangle_tests.WOOP,
 }
 
 SOLIDS = (Kind.CUBE, Kind.POLYHEDRON)
@@ -63,7 +63,7 @@ class Options:
         Whether the work of single rays is counted, by kernels compiled for that; that of tiles always is.
     test : {"screen", "edge-planes", "moller-trumbore", "woop"}
         How single rays meet the triangles of meshes: projected to the screen, or in object space by one of
-        the tests of :mod:`hsr.kernels.triangles`.
+        the tests of :mod:`hsr.kernels.triangle_tests`.
     arithmetic : {"float64", "float32"}
         Of the rays, planes and vertices in object space, and of the tests there.
     slabs : {"robust", "naive"}
@@ -139,7 +139,7 @@ def render(view: View, options: Options) -> VisibilityMap:
         If a coordinate is beyond float32, and that is the arithmetic.
     """
     if options.acceleration == "tiles":
-        return raytiles.render(view, options.certified)
+        return ray_tiles.render(view, options.certified)
     clock = Clock()
     with clock("build"):
         shapes = _shapes(view)
@@ -304,7 +304,7 @@ def _extent_of(shape: Shape) -> Floats:
     if shape.kind == Kind.MESH:
         root = _mesh_of(shape).nodes[0]
         return np.stack([root["low"], root["high"]])
-    return raytiles.box_of(shape)
+    return ray_tiles.box_of(shape)
 
 
 # ---------------------------------------------------------------- the view as the kernels see it

@@ -9,10 +9,10 @@ from functools import cache
 from importlib.metadata import entry_points
 from typing import Any
 
-from hsr.errors import MethodError
+from hsr.base.errors import MethodError
+from hsr.problem.map import VisibilityMap
+from hsr.problem.view import View, view
 from hsr.scene.model import Scene
-from hsr.viewing import View, view
-from hsr.visibility import VisibilityMap
 
 ENTRY_POINTS = "hsr.algorithms"
 """Entry-point group in which other packages register a :class:`Method`."""
@@ -144,12 +144,12 @@ BUILT_IN = (
         {"depth_test": "less-equal"},
     ),
     Method(
-        "zbuffer", "depth buffer, half-space tests with hierarchical z, certified", "hsr.algorithms.tiles"
+        "zbuffer", "depth buffer, half-space tests with hierarchical z, certified", "hsr.algorithms.zbuffer"
     ),
     Method(
         "zbuffer-plain",
         "the same without certification: rounding decides",
-        "hsr.algorithms.tiles",
+        "hsr.algorithms.zbuffer",
         {"certified": False},
     ),
     Method("raycast", "ray casting, coherent tiles of rays, certified", "hsr.algorithms.raycast", {}, True),

@@ -8,7 +8,7 @@ between equal depths; the limit rule that decides ties exactly is not applied.
 A face of more than three corners is one polygon here, and taken to be planar and convex up to rounding.
 
 All variants are one kernel. Most differ in what it is given: corners on a grid, a picture upside down,
-another function of depth (:mod:`hsr.algorithms.depthformats`).
+another function of depth (:mod:`hsr.algorithms.prepare.depth_formats`).
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from typing import Any
 
 import numpy as np
 
-from hsr.algorithms.depthformats import FORMATS, Depths, Real, depths_of
-from hsr.arrays import Array, Floats, Ints
-from hsr.errors import MethodError
+from hsr.algorithms.prepare.depth_formats import FORMATS, Depths, Real, depths_of
+from hsr.base.arrays import Array, Floats, Ints
+from hsr.base.errors import MethodError
 from hsr.kernels import scanline
 from hsr.kernels.clipping import clip_polygons, view_volume
 from hsr.kernels.projection import clip_rows, to_clip, to_screen
 from hsr.kernels.threads import threads_apart
-from hsr.viewing import View
-from hsr.visibility import Clock, VisibilityMap
+from hsr.problem.map import Clock, VisibilityMap
+from hsr.problem.view import View
 
 STEPPING = {"incremental": scanline.INCREMENTAL, "direct": scanline.DIRECT}
 ARITHMETIC: dict[str, Real] = {"float64": np.float64, "float32": np.float32, "fixed": np.float64}

@@ -17,21 +17,21 @@ from typing import Any
 import numpy as np
 
 from hsr.algorithms.registry import Method, methods
-from hsr.arrays import Array, Pixels
-from hsr.difference.models.rounded import tessellated_truth
-from hsr.difference.models.stages import Cause, Pipeline
-from hsr.errors import MapError
-from hsr.viewing import View
-from hsr.visibility import VisibilityMap
+from hsr.base.arrays import Array, Pixels
+from hsr.base.errors import MapError
+from hsr.models.rounded import tessellated_truth
+from hsr.models.stages import Cause, Pipeline
+from hsr.problem.map import VisibilityMap
+from hsr.problem.view import View
 
 PIPELINES = {
-    "hsr.algorithms.backface": "hsr.difference.models.backface",
-    "hsr.algorithms.embree": "hsr.difference.models.embree",
-    "hsr.algorithms.opengl": "hsr.difference.models.opengl",
-    "hsr.algorithms.painter": "hsr.difference.models.painter",
-    "hsr.algorithms.raycast": "hsr.difference.models.raycast",
-    "hsr.algorithms.tiles": "hsr.difference.models.tiles",
-    "hsr.algorithms.scanline": "hsr.difference.models.scanline",
+    "hsr.algorithms.backface": "hsr.models.backface",
+    "hsr.algorithms.embree": "hsr.models.embree.pipeline",
+    "hsr.algorithms.opengl": "hsr.models.llvmpipe.pipeline",
+    "hsr.algorithms.painter": "hsr.models.painter",
+    "hsr.algorithms.raycast": "hsr.models.raycast",
+    "hsr.algorithms.zbuffer": "hsr.models.zbuffer",
+    "hsr.algorithms.scanline": "hsr.models.scanline",
 }
 """The module with the ``PIPELINE`` of each method's module. A method without one has no models."""
 

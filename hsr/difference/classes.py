@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from scipy import ndimage
 
-from hsr.arrays import Array, Bools, Floats, Ints, Pixels
-from hsr.errors import MapError
-from hsr.visibility import BACKGROUND, VisibilityMap, depth_format
+from hsr.base.arrays import Array, Bools, Floats, Ints, Pixels
+from hsr.base.errors import MapError
+from hsr.problem.map import BACKGROUND, VisibilityMap, depth_format
 
 LISTED_JSON = 50
 """How many clusters the JSON form lists; the count is always that of all."""
@@ -184,7 +184,7 @@ class Difference:
     def _repr_html_(self) -> str:
         """Show the difference in a notebook."""
         # By name: pages stand above differences, and nobody but a notebook asks for one.
-        html: str = importlib.import_module("hsr.report.notebook").difference_html(self)
+        html: str = importlib.import_module("hsr.pages.notebook").difference_html(self)
         return html
 
     def _headline(self) -> str:

@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 
+from hsr.base.errors import MapError
 from hsr.difference.cause import Causes, causes
-from hsr.difference.models.llvmpipe import LLVMPIPE, Drawing, Drawn
-from hsr.difference.models.stages import Cause
 from hsr.difference.near import Nearby, check_sample, nearby
-from hsr.difference.sight import EDGE_ON, Layer, Sight, sights
-from hsr.errors import MapError
-from hsr.viewing import View
-from hsr.visibility import BACKGROUND, Admissible, VisibilityMap, name_in
+from hsr.difference.sightline import EDGE_ON, Layer, Sight, sights
+from hsr.models.llvmpipe.driver import LLVMPIPE, Drawing, Drawn
+from hsr.models.stages import Cause
+from hsr.problem.map import BACKGROUND, Admissible, VisibilityMap, name_in
+from hsr.problem.view import View
 
 LEVELS = 2**24 - 1
 """Greatest depth in a buffer of 24 bits."""

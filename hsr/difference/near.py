@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hsr.arrays import Array, Ints
-from hsr.errors import ViewError
+from hsr.base.arrays import Array, Ints
+from hsr.base.errors import ViewError
 from hsr.exact.margins import REACH
+from hsr.problem.view import Placement, View
 from hsr.scene.shapes import Kind, Polygons, Shape
-from hsr.viewing import Placement, View
 
 ROUNDING = 2.0**-49
 """Bound of the relative error of a screen coordinate in :func:`_boxes`, 16 u with u = 2^-53.
@@ -80,7 +80,7 @@ def nearby(view: View, samples: Array) -> Nearby:
 
 
 def check_sample(view: View, row: int, column: int) -> None:
-    """Raise :class:`hsr.errors.ViewError` if there is no such sample; row 0 is the top row."""
+    """Raise :class:`hsr.base.errors.ViewError` if there is no such sample; row 0 is the top row."""
     if not (0 <= row < view.height and 0 <= column < view.width):
         size = f"{view.width}x{view.height}"
         raise ViewError(f"no sample at column {column}, row {row}: the image is {size}, counted from 0")

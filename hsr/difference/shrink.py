@@ -16,15 +16,15 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from hsr.algorithms.registry import render
-from hsr.arrays import Floats, Ints
+from hsr.base.arrays import Floats, Ints
+from hsr.base.errors import MethodError
 from hsr.difference.near import check_sample, nearby
-from hsr.errors import MethodError
+from hsr.problem.map import BACKGROUND, name_in
+from hsr.problem.view import Placement, View, view
 from hsr.scene.gltf import unique
 from hsr.scene.model import Mesh, Object, Scene, Step
 from hsr.scene.shapes import Polygons
 from hsr.scene.transforms import copies
-from hsr.viewing import Placement, View, view
-from hsr.visibility import BACKGROUND, name_in
 
 Item = TypeVar("Item")
 

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from hsr.algorithms.registry import Method, method_named
-from hsr.arrays import Array
+from hsr.base.arrays import Array
+from hsr.base.errors import MethodError, UnavailableError
 from hsr.difference.cause import Causes, causes
 from hsr.difference.classes import Difference, compare
-from hsr.errors import MethodError, UnavailableError
+from hsr.problem.map import VisibilityMap
+from hsr.problem.view import View, view
 from hsr.scene.model import Scene
-from hsr.viewing import View, view
-from hsr.visibility import VisibilityMap
 
 PATIENCE = 2**29
 """Tests of a face at a sample that a study waits for unasked: a few seconds on two cores."""

@@ -17,7 +17,7 @@ from typing import Any
 from flint import fmpz_poly
 
 from hsr.exact.germs import IMAGE, I, J, Polynomial, Spot, Surd, at, beside, sign
-from hsr.visibility import BACKGROUND
+from hsr.problem.map import BACKGROUND
 
 Form = tuple[Polynomial, Polynomial]
 """(l, k): the value l + k zeta, l and k polynomials in i and j."""

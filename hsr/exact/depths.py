@@ -6,7 +6,7 @@ from math import isqrt
 
 import numpy as np
 
-from hsr.arrays import Floats, Ints
+from hsr.base.arrays import Floats, Ints
 from hsr.exact.decide import Piece
 from hsr.exact.doubled import bits, depths, split
 from hsr.exact.germs import coefficients

@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hsr.arrays import Array, Floats
-from hsr.jit import jit
+from hsr.base.arrays import Array, Floats
+from hsr.base.jit import jit
 
 PRECISION = 2.0**-98
 SPLIT = 2.0**27 + 1.0

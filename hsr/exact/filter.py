@@ -18,12 +18,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hsr.arrays import Array, Bools, Floats, Ints
+from hsr.base.arrays import Array, Bools, Floats, Ints
+from hsr.base.jit import jit
 from hsr.exact.decide import Piece
 from hsr.exact.germs import Polynomial, coefficients
 from hsr.exact.planes import Triangles, bounds, ratio
 from hsr.exact.quadrics import Round
-from hsr.jit import jit
 
 ROUNDING = 2.0**-49
 TINY = 2.0**-1000

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from flint import Ordering, fmpz_mpoly_ctx
 
-from hsr.arrays import Array
+from hsr.base.arrays import Array
 
 Polynomial = Any
 """An ``fmpz_mpoly``: a polynomial with integer coefficients."""

@@ -9,12 +9,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from hsr.errors import ViewError
+from hsr.base.errors import ViewError
 from hsr.exact.decide import Piece
 from hsr.exact.depths import depth_quotient
 from hsr.exact.germs import Polynomial, beside
 from hsr.exact.problem import Problem, problem_of
-from hsr.viewing import View
+from hsr.problem.view import View
 
 REACH = 1.0
 """Pixels by which a sample may miss a face that is still told."""

@@ -27,9 +27,9 @@ from functools import cached_property
 import numpy as np
 from flint import fmpq_mat
 
-from hsr.arrays import Array, Floats
-from hsr.errors import ViewError
-from hsr.viewing import View
+from hsr.base.arrays import Array, Floats
+from hsr.base.errors import ViewError
+from hsr.problem.view import View
 
 MANTISSA = 53
 """Bits of a float64 mantissa."""

@@ -11,14 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hsr.arrays import Array, Floats, Ints
+from hsr.base.arrays import Array, Floats, Ints
 from hsr.exact.decide import Answer
 from hsr.exact.depths import depths_of
 from hsr.exact.filter import Candidates, candidates, round_tables
 from hsr.exact.problem import Problem, problem_of
 from hsr.exact.ties import Verdicts, entries, firsts, settle
-from hsr.viewing import View
-from hsr.visibility import BACKGROUND, Admissible
+from hsr.problem.map import BACKGROUND, Admissible
+from hsr.problem.view import View
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,12 +19,12 @@ from math import gcd
 
 import numpy as np
 
-from hsr.arrays import Array, Bools, Floats, Ints
+from hsr.base.arrays import Array, Bools, Floats, Ints
 from hsr.exact.decide import Piece
 from hsr.exact.germs import NOTHING, Surd, affine, constant
 from hsr.exact.numbers import Frame, integers
+from hsr.problem.view import Placement, View
 from hsr.scene.shapes import Polygons
-from hsr.viewing import Placement, View
 
 BACK, FRONT = 1, 2
 """What ``cull`` removes."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from hsr.arrays import Array
+from hsr.base.arrays import Array
 from hsr.exact.decide import Piece
 from hsr.exact.filter import TriangleTables, triangle_tables
 from hsr.exact.numbers import Frame, frame_of, samples
 from hsr.exact.planes import Triangles, triangles_of
 from hsr.exact.quadrics import Round, rounds_of
-from hsr.viewing import View
+from hsr.problem.view import View
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,13 +17,13 @@ from math import gcd
 
 import numpy as np
 
-from hsr.arrays import Array, Ints
+from hsr.base.arrays import Array, Ints
 from hsr.exact.decide import Form, Piece
 from hsr.exact.germs import NOTHING, I, J, Polynomial, Surd, affine, coefficients, constant
 from hsr.exact.numbers import Frame, integers, inverse
 from hsr.exact.planes import BACK, FRONT, boxes, plane_name
+from hsr.problem.view import Placement, View
 from hsr.scene.shapes import Kind
-from hsr.viewing import Placement, View
 
 BALL = np.diag(np.array([1, 1, 1, -1], dtype=object))
 TUBE = np.diag(np.array([1, 1, 0, -1], dtype=object))

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hsr.arrays import Array, Bools, Floats, Ints
+from hsr.base.arrays import Array, Bools, Floats, Ints
 from hsr.exact.decide import Answer, decide
 from hsr.exact.filter import Candidates
 from hsr.exact.planes import HALVES

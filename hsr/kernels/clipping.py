@@ -14,8 +14,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hsr.arrays import Array, Floats, Ints
-from hsr.jit import jit, parallel_jit, prange
+from hsr.base.arrays import Array, Floats, Ints
+from hsr.base.jit import jit, parallel_jit, prange
 
 GUARD = 2.0
 """Half-width of the guard band, in halves of the image: polygons are cut where ``|x|, |y| > GUARD w``.

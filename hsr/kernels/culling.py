@@ -15,8 +15,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hsr.arrays import Floats, Ints
-from hsr.jit import jit, parallel_jit, prange
+from hsr.base.arrays import Floats, Ints
+from hsr.base.jit import jit, parallel_jit, prange
 
 
 def facing_by_normal(clip: Floats, corner: Ints, start: Ints, perspective: bool) -> Floats:

@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hsr.jit import jit
-from hsr.kernels.bounds import Corner, Vector
-from hsr.kernels.quadrics import BACK, FRONT
+from hsr.base.jit import jit
+from hsr.kernels.boxes import Corner, Vector
+from hsr.kernels.hits import BACK, FRONT
 
 SMALLEST = 5e-324
 """The least number above 0: ``e >= SMALLEST`` is ``e > 0``."""

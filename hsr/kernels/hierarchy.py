@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hsr.arrays import Array, Floats, Ints
-from hsr.jit import jit, parallel_jit, prange
+from hsr.base.arrays import Array, Floats, Ints
+from hsr.base.jit import jit, parallel_jit, prange
 
 LEAF = 8
 """Most boxes in one leaf of the hierarchies for single rays."""

@@ -19,8 +19,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hsr.arrays import Array, Floats
-from hsr.jit import jit, parallel_jit, prange
+from hsr.base.arrays import Array, Floats
+from hsr.base.jit import jit, parallel_jit, prange
 
 
 @jit

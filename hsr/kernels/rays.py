@@ -17,12 +17,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hsr.arrays import Array, Floats, Ints
-from hsr.jit import jit, parallel_jit, prange
-from hsr.kernels.bounds import Beam, Corner, Vector, box_entry, corner_of, naive_entry, nearness_of
+from hsr.base.arrays import Array, Floats, Ints
+from hsr.base.jit import jit, parallel_jit, prange
+from hsr.kernels.boxes import Beam, Corner, Vector, box_entry, corner_of, naive_entry, nearness_of
 from hsr.kernels.facets import covered_nearness, facet_of, row_of
 from hsr.kernels.hierarchy import INNER, STACK
-from hsr.kernels.quadrics import (
+from hsr.kernels.hits import (
     BACK,
     FRONT,
     NO_FACE,
@@ -32,7 +32,7 @@ from hsr.kernels.quadrics import (
     sphere_span,
     square_hit,
 )
-from hsr.kernels.triangles import MISS, SCREEN, point, triangle_at
+from hsr.kernels.triangle_tests import MISS, SCREEN, point, triangle_at
 
 SQUARE, CUBE, POLYHEDRON, SPHERE, CYLINDER, MESH, WORLD = range(7)
 """The kinds of shapes, and the world."""

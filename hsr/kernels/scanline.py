@@ -32,8 +32,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hsr.arrays import Array, Ints
-from hsr.jit import jit, parallel_jit, prange
+from hsr.base.arrays import Array, Ints
+from hsr.base.jit import jit, parallel_jit, prange
 from hsr.kernels.strips import END_LINE, FIRST_LINE, STRIP, deal_to_strips
 
 DIRECT, INCREMENTAL, FIXED = range(3)

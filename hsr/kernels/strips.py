@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hsr.arrays import Array, Ints
-from hsr.jit import parallel_jit, prange
+from hsr.base.arrays import Array, Ints
+from hsr.base.jit import parallel_jit, prange
 
 STRIP = 64
 """Scan lines in a strip, the piece of work of one thread."""

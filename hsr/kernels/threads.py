@@ -12,8 +12,8 @@ from typing import Any
 import numba
 import numpy as np
 
-from hsr.arrays import Ints
-from hsr.jit import parallel_jit, prange, thread_count
+from hsr.base.arrays import Ints
+from hsr.base.jit import parallel_jit, prange, thread_count
 
 thread_id: Any = numba.types.ExternalFunction("gettid", numba.types.int32())
 """The C library's, of Linux."""

@@ -12,14 +12,14 @@ import numpy as np
 
 from hsr.algorithms.registry import Method, method_named
 from hsr.algorithms.registry import render as render_by
-from hsr.errors import MethodError
+from hsr.base.errors import MethodError
 from hsr.lessons.probes import PROBES
 from hsr.lessons.recording import Recording, Turn, record
 from hsr.lessons.topics import Formula, Screen, Topic, Track
+from hsr.problem.map import BACKGROUND
+from hsr.problem.view import View, view
 from hsr.scene.files import load
 from hsr.scene.model import Scene
-from hsr.viewing import View, view
-from hsr.visibility import BACKGROUND
 
 MOST_FACES = 48
 """Faces of a scene that a lesson records, a sphere's many flat ones counted singly where it is cut into them:

@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 
 from hsr.algorithms import scanline as scan_conversion
-from hsr.algorithms import tiles as certified
-from hsr.kernels import bounds, culling, doubts, quadrics, rays, scanline, tiles
+from hsr.algorithms import zbuffer as certified
+from hsr.kernels import boxes, culling, hits, rays, scanline
+from hsr.kernels.zbuffer import key_buffer, tiles
 from hsr.lessons.recording import Beat, Buffers, Names, Probe
-from hsr.viewing import View
-from hsr.visibility import BACKGROUND
+from hsr.problem.map import BACKGROUND
+from hsr.problem.view import View
 
 
 def nobody(_: Names) -> int:
@@ -112,12 +113,12 @@ def raycast_probe(_view: View, _options: Any) -> Probe:
             rays.cast: ("row", "column", "x", "y", "best"),
             rays.nearest_in_list: ("k", "hit", "best"),
             rays.meets_extent: (),
-            bounds.box_entry: ("axis", "inverse", "start", "t_first", "t_last", "t_in", "t_out"),
+            boxes.box_entry: ("axis", "inverse", "start", "t_first", "t_last", "t_in", "t_out"),
             rays.generic_hit: ("o", "d", "span", "t", "face"),
-            quadrics.polyhedron_span: ("k", "along", "inside", "t", "t_in", "face_in", "t_out", "face_out"),
-            quadrics.sphere_span: ("a", "b", "s", "v", "r"),
-            quadrics.square_hit: ("t", "inside"),
-            quadrics.first_hit: ("span",),
+            hits.polyhedron_span: ("k", "along", "inside", "t", "t_in", "face_in", "t_out", "face_out"),
+            hits.sphere_span: ("a", "b", "s", "v", "r"),
+            hits.square_hit: ("t", "inside"),
+            hits.first_hit: ("span",),
             rays.better: ("nearness", "face", "best"),
             rays.counted: ("hit",),
         },
@@ -146,7 +147,7 @@ def tiles_probe(view: View, _options: Any) -> Probe:
 
         def read() -> Buffers:
             if not np.array_equal(keys, known):
-                doubts.read_out(keys, window, box, faces, eye, face, depth)
+                key_buffer.read_out(keys, window, box, faces, eye, face, depth)
                 known[:] = keys
             return face, depth
 
@@ -165,7 +166,7 @@ def tiles_probe(view: View, _options: Any) -> Probe:
     return Probe(
         shown={
             tiles.draw_table: ("i",),
-            doubts.fill: (
+            key_buffer.fill: (
                 "line",
                 "start",
                 "lane",
@@ -178,17 +179,17 @@ def tiles_probe(view: View, _options: Any) -> Probe:
                 "beside",
                 "doubtful",
             ),
-            doubts.note: ("line", "column", "inner", "bound"),
+            key_buffer.note: ("line", "column", "inner", "bound"),
             certified.render: (),
         },
         buffers={tiles.draw_tile: keys_read, certified.render: answered},
         beats=(
-            Beat(doubts.fill, "inside, nearer_by =", sample, tested),
-            Beat(doubts.note, "inner, z =", place("line", "column"), nobody),
+            Beat(key_buffer.fill, "inside, nearer_by =", sample, tested),
+            Beat(key_buffer.note, "inner, z =", place("line", "column"), nobody),
         ),
         counters={
-            "samples tested": (doubts.fill, "place ="),
-            "in doubt on an edge": (doubts.note, "write("),
+            "samples tested": (key_buffer.fill, "place ="),
+            "in doubt on an edge": (key_buffer.note, "write("),
         },
     )
 
@@ -197,6 +198,6 @@ PROBES: dict[str, Callable[[View, Any], Probe]] = {
     "hsr.algorithms.backface": backface_probe,
     "hsr.algorithms.scanline": scanline_probe,
     "hsr.algorithms.raycast": raycast_probe,
-    "hsr.algorithms.tiles": tiles_probe,
+    "hsr.algorithms.zbuffer": tiles_probe,
 }
 """By the module of a method; others cannot be recorded."""

@@ -15,12 +15,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hsr.algorithms.registry import Method
-from hsr.arrays import Array, Ints
-from hsr.errors import MethodError
+from hsr.base.arrays import Array, Ints
+from hsr.base.errors import MethodError
 from hsr.lessons.interpret import interpreted, python_of
 from hsr.lessons.listing import Listing, Source, listing_of, source_of
-from hsr.viewing import View
-from hsr.visibility import BACKGROUND, VisibilityMap
+from hsr.problem.map import BACKGROUND, VisibilityMap
+from hsr.problem.view import View
 
 MOST_STEPS = 60_000
 """Lines that a recording may run: on a page about half a megabyte."""

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from hsr.errors import HsrError
+from hsr.base.errors import HsrError
 
 
 class Part(BaseModel):

@@ -14,9 +14,9 @@ from typing import Any, TypeVar, cast
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
-from hsr.arrays import Floats
-from hsr.errors import SceneError, ViewError
-from hsr.scene.cameras import projection_of
+from hsr.base.arrays import Floats
+from hsr.base.errors import SceneError, ViewError
+from hsr.scene.camera import projection_of
 from hsr.scene.gltf import Document, unique
 from hsr.scene.meshes import Faces, mesh_shape, read_faces
 from hsr.scene.model import (
@@ -35,9 +35,9 @@ from hsr.scene.model import (
     Thing,
 )
 from hsr.scene.polyhedra import convexity_problems
-from hsr.scene.problems import lines_of, nearest
 from hsr.scene.shapes import MAX_FACES, Kind, Polygons, Shape, generic
 from hsr.scene.transforms import compose, placed
+from hsr.scene.validation import lines_of, nearest
 
 SCENES = (".toml", ".json")
 GLTF = (".glb", ".gltf")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hsr.arrays import Array, Bools, Floats, Ints
+from hsr.base.arrays import Array, Bools, Floats, Ints
 from hsr.scene.model import Fir, Menger, Teapot, Terrain, TorusKnot
 from hsr.scene.shapes import Polygons
 

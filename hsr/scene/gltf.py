@@ -20,12 +20,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydantic import ValidationError
 
-from hsr.arrays import Floats
-from hsr.errors import SceneError
+from hsr.base.arrays import Floats
+from hsr.base.errors import SceneError
 from hsr.scene.meshes import Faces, joined, reading
 from hsr.scene.model import Camera, Orthographic, Perspective, Step
-from hsr.scene.problems import lines_of
 from hsr.scene.transforms import compose, placed
+from hsr.scene.validation import lines_of
 
 TRIANGLES, FAN, READ = 4, 6, (0, 1, 4, 5)
 """Modes of primitives: the default one, the one refused here, and those that trimesh reads."""

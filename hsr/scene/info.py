@@ -9,9 +9,9 @@ from typing import Any, cast
 
 import numpy as np
 
-from hsr.arrays import Floats
-from hsr.errors import ViewError
-from hsr.scene.cameras import Projection, eye_of, projection_of
+from hsr.base.arrays import Floats
+from hsr.base.errors import ViewError
+from hsr.scene.camera import Projection, eye_of, projection_of
 from hsr.scene.files import shape_of
 from hsr.scene.model import Camera, Object, Scene
 from hsr.scene.shapes import Kind, Polygons, Shape

@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hsr.arrays import Array, Floats
-from hsr.errors import SceneError
+from hsr.base.arrays import Array, Floats
+from hsr.base.errors import SceneError
 from hsr.scene.shapes import Kind, Polygons, Shape
 
 MAX_TRIANGLES = (2**31 - 1) // 3

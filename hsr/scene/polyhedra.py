@@ -24,7 +24,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hsr.arrays import Floats
+from hsr.base.arrays import Floats
 
 ROUNDINGS = 16
 """Roundings that a coordinate may have gone through before it was written down."""

@@ -9,7 +9,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from hsr.arrays import Array, Floats, Ints
+from hsr.base.arrays import Array, Floats, Ints
 
 MAX_FACES = 2**31 - 2
 """Face ids are int32, and OpenGL stores face + 1."""

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from hsr.arrays import Array, Bools, Floats
+from hsr.base.arrays import Array, Bools, Floats
 from hsr.scene.shapes import Polygons
 
 MAX_CHECKED = 25_000

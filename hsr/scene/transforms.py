@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from flint import arb, arb_mat, ctx, fmpq
 
-from hsr.arrays import Floats
-from hsr.errors import SceneError
+from hsr.base.arrays import Floats
+from hsr.base.errors import SceneError
 from hsr.scene.model import Object, Scatter, Step, exact_determinant
 
 PRECISION = 256

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from hsr.errors import SceneError
-from hsr.output import write_whole
+from hsr.base.errors import SceneError
+from hsr.base.files import write_whole
 from hsr.scene.model import Scene
 
 INDENT = "  "

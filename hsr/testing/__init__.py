@@ -1,12 +1,12 @@
 """Checks of visibility for other people's test suites: by face id, exact where the truth is known.
 
 The pytest plug-in makes the same checks by its fixture ``visibility``; here they are plain functions
-that raise :class:`~hsr.errors.VisibilityError`, an ``AssertionError``, with the same text.
+that raise :class:`~hsr.base.errors.VisibilityError`, an ``AssertionError``, with the same text.
 """
 
 from __future__ import annotations
 
-from hsr.errors import VisibilityError
+from hsr.base.errors import VisibilityError
 from hsr.testing.checks import (
     assert_agree,
     assert_matches_baseline,

@@ -6,9 +6,9 @@ import json
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from hsr.errors import CheckError
+from hsr.base.errors import CheckError
+from hsr.problem.map import load_map
 from hsr.testing.baselines import FOLDER, next_variant, write
-from hsr.visibility import load_map
 
 CHOICES = ("accept", "variant", "reject")
 """Replace the baseline, keep one more valid one, or leave all as it is."""

@@ -17,12 +17,12 @@ from typing import Any
 
 import numpy as np
 
-from hsr.errors import CheckError, MapError
-from hsr.output import write_whole
+from hsr.base.errors import CheckError, MapError
+from hsr.base.files import write_whole
+from hsr.problem.map import BACKGROUND, NO_DEPTH, VisibilityMap, load_map
 from hsr.testing.judging import Judgement, judge
 from hsr.testing.limits import Limits
 from hsr.testing.problems import Problem
-from hsr.visibility import BACKGROUND, NO_DEPTH, VisibilityMap, load_map
 
 FORMAT = 1
 """The version of a file of hashes."""

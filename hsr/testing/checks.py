@@ -6,14 +6,14 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from hsr.arrays import Pixels
-from hsr.errors import CheckError, VisibilityError
+from hsr.base.arrays import Pixels
+from hsr.base.errors import CheckError, VisibilityError
+from hsr.problem.map import VisibilityMap
 from hsr.testing.baselines import match
 from hsr.testing.judging import Judgement, judge
 from hsr.testing.limits import Limits, merged
 from hsr.testing.pictures import MIN_SIMILARITY, compared
 from hsr.testing.problems import Showing, problem_of
-from hsr.visibility import VisibilityMap
 
 CALLER = "caller"
 """Who sets the limits that are given to a function."""

@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from hsr.arrays import Array, Ints
-from hsr.errors import MapError
-from hsr.viewing import View
-from hsr.visibility import BACKGROUND, NO_DEPTH, Admissible, VisibilityMap
+from hsr.base.arrays import Array, Ints
+from hsr.base.errors import MapError
+from hsr.problem.map import BACKGROUND, NO_DEPTH, Admissible, VisibilityMap
+from hsr.problem.view import View
 
 MISS = 0xFFFFFFFF
 """Open3D's id of a ray that hits nothing."""

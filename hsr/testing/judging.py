@@ -8,16 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr.algorithms.registry import methods
-from hsr.arrays import Bools, Ints
+from hsr.base.arrays import Bools, Ints
+from hsr.base.errors import CheckError
 from hsr.difference.cause import Causes, causes, pipeline_of
 from hsr.difference.classes import OTHER_OWNER, Cluster, Difference, compare, depth_step, find_clusters
 from hsr.difference.history import history
-from hsr.difference.models.stages import Cause
-from hsr.errors import CheckError
+from hsr.mistakes.planted import MISTAKES, planted
+from hsr.models.stages import Cause
+from hsr.problem.map import BACKGROUND, VisibilityMap
 from hsr.testing.limits import REFERENCE_WRONG, Limits
-from hsr.testing.mistakes import MISTAKES, planted
 from hsr.testing.problems import Problem
-from hsr.visibility import BACKGROUND, VisibilityMap
 
 
 @dataclass(frozen=True, eq=False)

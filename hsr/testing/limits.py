@@ -6,10 +6,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from hsr.base.errors import CheckError
 from hsr.difference.classes import OTHER_OWNER
-from hsr.difference.models.stages import Cause
-from hsr.errors import CheckError
-from hsr.scene.problems import nearest
+from hsr.models.stages import Cause
+from hsr.scene.validation import nearest
 
 REFERENCE_WRONG = "reference wrong"
 """The cause of samples at which the judged map is right, and the map it is judged against is not."""

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hsr.arrays import Pixels
-from hsr.errors import CheckError, UnavailableError
+from hsr.base.arrays import Pixels
+from hsr.base.errors import CheckError, UnavailableError
 
 MIN_SIMILARITY = 0.99
 

@@ -7,11 +7,11 @@ from functools import cached_property
 from pathlib import Path
 
 from hsr.algorithms.registry import render
-from hsr.errors import CheckError
+from hsr.base.errors import CheckError
+from hsr.problem.map import VisibilityMap
+from hsr.problem.view import View, view
 from hsr.scene.files import load
 from hsr.scene.model import Scene
-from hsr.viewing import View, view
-from hsr.visibility import VisibilityMap
 
 Showing = Scene | View | str | Path | None
 """What a test may give as its scene: a scene, its file, the view itself, or nothing."""

@@ -9,14 +9,16 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from hsr.arrays import Pixels
-from hsr.errors import CheckError, VisibilityError
-from hsr.report.checks import inspected
-from hsr.report.inspection import Shown
-from hsr.report.page import fragment
+from hsr.base.arrays import Pixels
+from hsr.base.errors import CheckError, VisibilityError
+from hsr.pages.checks import inspected
+from hsr.pages.inspection import Shown
+from hsr.pages.page import fragment
+from hsr.pages.shading import save_picture
+from hsr.problem.map import VisibilityMap
+from hsr.problem.view import View
 from hsr.scene.model import Mesh, Scene
 from hsr.scene.writing import write_scene
-from hsr.shading import save_picture
 from hsr.testing.baselines import SUFFIXES, contents, file_stem, match, variants, write
 from hsr.testing.checks import agreement
 from hsr.testing.judging import Judgement
@@ -24,8 +26,6 @@ from hsr.testing.limits import Limits, merged
 from hsr.testing.pictures import MIN_SIMILARITY, compared
 from hsr.testing.problems import Problem, Showing, problem_of
 from hsr.testing.selfcheck import let_through
-from hsr.viewing import View
-from hsr.visibility import VisibilityMap
 
 ITEMS = "items"
 """Folder among the results with a JSON file and the failed maps of every test."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hsr.report.checks import write_page
+from hsr.pages.checks import write_page
 from hsr.testing.baselines import FOLDER
 from hsr.testing.recording import ITEMS, PAGE, Check
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from hsr.mistakes.planted import MISTAKES, planted
+from hsr.problem.map import VisibilityMap
 from hsr.testing.judging import judge
 from hsr.testing.limits import Limits
-from hsr.testing.mistakes import MISTAKES, planted
 from hsr.testing.problems import Problem
-from hsr.visibility import VisibilityMap
 
 
 def let_through(

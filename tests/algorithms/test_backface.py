@@ -9,7 +9,7 @@ import pytest
 
 import hsr
 from hsr.algorithms.registry import method_named
-from hsr.errors import MethodError
+from hsr.base.errors import MethodError
 
 FORMS = ["normal", "ndc", "determinant"]
 ORTHOGRAPHIC = {"type": "orthographic", "eye": [2.0, 3.0, 5.0], "height": 8.0, "near": -20.0, "far": 20.0}

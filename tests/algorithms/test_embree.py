@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import hsr
-from hsr.algorithms import embree, embree_library
-from hsr.errors import MethodError, UnavailableError
-from hsr.kernels import packets
-from tests.opengl.brute_force import assert_agrees
+from hsr.algorithms import embree
+from hsr.base.errors import MethodError, UnavailableError
+from hsr.embree import library, packets
+from tests.gl.brute_force import assert_agrees
 
 
 def test_without_embreex_it_says_what_to_install(make_scene: Any, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -120,10 +120,10 @@ def test_the_library_says_its_version_and_threads(make_scene: Any, method: str) 
 
 @pytest.fixture
 def _fresh_library() -> Iterator[None]:
-    for kept in (embree_library.library, embree_library.device):
+    for kept in (library.library, library.device):
         kept.cache_clear()
     yield
-    for kept in (embree_library.library, embree_library.device):
+    for kept in (library.library, library.device):
         kept.cache_clear()
 
 
@@ -134,24 +134,24 @@ def test_without_its_library_it_says_what_to_install(
 ) -> None:
     for file in found or ():
         file.dist = PathDistribution(Path("nowhere"))
-    monkeypatch.setattr(embree_library, "files", lambda _name: found)
+    monkeypatch.setattr(library, "files", lambda _name: found)
     with pytest.raises(UnavailableError, match=r"no library of Embree 4 .* pip install 'hsr-lab\[embree\]'"):
         hsr.render(make_scene([{"name": "cube", "shape": "cube"}]), "embree-packets", size=(4, 4))
 
 
 @pytest.mark.usefixtures("_installed", "_fresh_library")
 def test_another_version_of_the_library_is_refused(make_scene: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(embree_library, "VERSION", "4.5")
+    monkeypatch.setattr(library, "VERSION", "4.5")
     with pytest.raises(UnavailableError, match=r"holds Embree 4\.4\.0, but only 4\.5 is known"):
         hsr.render(make_scene([{"name": "cube", "shape": "cube"}]), "embree-single", size=(4, 4))
 
 
 @pytest.mark.usefixtures("_installed")
 def test_what_the_library_cannot_do_is_an_error() -> None:
-    device = embree_library.device(1)
-    embree_library.library().rtcNewGeometry(device, 1234)
+    device = library.device(1)
+    library.library().rtcNewGeometry(device, 1234)
     with pytest.raises(MethodError, match="Embree fails"):
-        embree_library._check(device)
+        library._check(device)
 
 
 @pytest.mark.usefixtures("_installed")

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from hsr.algorithms.exact import Options, render
-from hsr.viewing import view
-from hsr.visibility import load_map
+from hsr.problem.map import load_map
+from hsr.problem.view import view
 
 PARALLEL = {"type": "orthographic", "eye": [0.0, 0.0, 3.0], "height": 4.0, "far": 9.0}
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import hsr
-from hsr.errors import MethodError, NoOpenGLError
-from hsr.opengl.depth import DEPTH_BUFFERS
-from tests.opengl.brute_force import assert_agrees
-from tests.opengl.conftest import opened
+from hsr.base.errors import MethodError, NoOpenGLError
+from hsr.gl.depth import DEPTH_BUFFERS
+from tests.gl.brute_force import assert_agrees
+from tests.gl.conftest import opened
 
 
 @pytest.fixture(autouse=True, scope="module")

@@ -13,7 +13,7 @@ import hsr
 from hsr.algorithms import raycast
 from hsr.algorithms.raycast import Acceleration, Options
 from hsr.algorithms.registry import BUILT_IN
-from hsr.errors import MethodError
+from hsr.base.errors import MethodError
 from hsr.scene.model import Scene
 from hsr.scene.shapes import Kind
 

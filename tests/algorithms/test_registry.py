@@ -11,9 +11,9 @@ import pytest
 import hsr
 from hsr.algorithms import registry
 from hsr.algorithms.registry import BUILT_IN, Method, methods
+from hsr.base.errors import MethodError, UnavailableError, ViewError
 from hsr.difference.classes import depth_step
-from hsr.errors import MethodError, UnavailableError, ViewError
-from hsr.visibility import VisibilityMap
+from hsr.problem.map import VisibilityMap
 
 CUBE = [{"name": "box", "shape": "cube"}]
 

@@ -10,11 +10,11 @@ import pytest
 
 import hsr
 from hsr.algorithms import scanline
-from hsr.algorithms.depthformats import FORMATS
+from hsr.algorithms.prepare.depth_formats import FORMATS
 from hsr.algorithms.registry import methods
+from hsr.base.errors import MethodError
 from hsr.difference.classes import depth_step
-from hsr.errors import MethodError
-from hsr.visibility import VisibilityMap
+from hsr.problem.map import VisibilityMap
 
 VARIANTS = [name for name, method in methods().items() if method.module == scanline.__name__]
 EXACT = ["scanline", "scanline-direct", "scanline-bottom-left", "scanline-less-equal"]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from hsr.problem.view import View, view
 from hsr.scene.model import Scene
-from hsr.viewing import View, view
 
 
 def prism() -> View:

@@ -11,18 +11,19 @@ import numpy as np
 import pytest
 
 import hsr
-from hsr.algorithms import exact, raycast, raytiles
+from hsr.algorithms import exact, raycast
 from hsr.algorithms import scanline as algorithm
+from hsr.algorithms.prepare import ray_tiles
 from hsr.algorithms.registry import BUILT_IN, method_named
+from hsr.base.errors import MapError, MethodError
 from hsr.difference.cause import Causes, causes, pipeline_of
-from hsr.difference.models import scanline as models
-from hsr.difference.models.stages import Cause
-from hsr.errors import MapError, MethodError
 from hsr.kernels import hierarchy, scanline
+from hsr.models import scanline as models
+from hsr.models.stages import Cause
+from hsr.problem.map import VisibilityMap
+from hsr.problem.view import View, view
 from hsr.scene.model import Scene
 from hsr.scene.shapes import Kind, tessellated
-from hsr.viewing import View, view
-from hsr.visibility import VisibilityMap
 from tests.difference.planted import prism, soup
 
 
@@ -150,8 +151,8 @@ def test_the_transform_of_rays_is_named(truth: VisibilityMap, monkeypatch: pytes
 
 
 def test_the_transform_of_tiles_is_named(truth: VisibilityMap, monkeypatch: pytest.MonkeyPatch) -> None:
-    honest = raytiles.clip_rows
-    monkeypatch.setattr(raytiles, "clip_rows", lambda *camera: coarse(honest(*camera), 2.0**-7))
+    honest = ray_tiles.clip_rows
+    monkeypatch.setattr(ray_tiles, "clip_rows", lambda *camera: coarse(honest(*camera), 2.0**-7))
     found = named(soup(), "raycast-plain", truth)
     assert found.counts == {"transform": found.wrong} and found.wrong > 0
 

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import hsr
+from hsr.base.errors import MapError
 from hsr.difference.classes import SampleClass, depth_step
-from hsr.errors import MapError
-from hsr.visibility import Admissible, VisibilityMap, depth_format
+from hsr.problem.map import Admissible, VisibilityMap, depth_format
 
 SAME, MISSING, EXTRA, WRONG, DEPTH, TIE = SampleClass
 

@@ -13,12 +13,12 @@ import pytest
 
 import hsr
 from hsr.algorithms.registry import render
+from hsr.base.errors import MapError, ViewError
 from hsr.difference.cause import causes
 from hsr.difference.history import Historian, history, window_depth
-from hsr.difference.models.llvmpipe import predict
-from hsr.errors import MapError, ViewError
-from hsr.viewing import View, view
-from hsr.visibility import VisibilityMap
+from hsr.models.llvmpipe.driver import predict
+from hsr.problem.map import VisibilityMap
+from hsr.problem.view import View, view
 
 PARALLEL = {"type": "orthographic", "eye": [0.0, 0.0, 10.0], "height": 8.0, "near": 0.0, "far": 16.0}
 """With 8 x 8 samples: of (row r, column c) at x = c - 3.5, y = 3.5 - r; a pixel is one unit."""

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hsr.difference.near import nearby, ranges
-from hsr.viewing import View, view
+from hsr.problem.view import View, view
 
 THINGS: list[dict[str, Any]] = [
     {"shape": "cube", "name": "box", "transform": [{"rotate_y": 30.0}, {"translate": [-1.0, 0.0, 0.0]}]},

@@ -9,11 +9,11 @@ import pytest
 
 import hsr
 from hsr.algorithms import exact
+from hsr.base.errors import UnavailableError
 from hsr.difference.cause import causes
-from hsr.errors import UnavailableError
-from hsr.testing.mistakes import MISTAKES, Renderer
-from hsr.viewing import View
-from hsr.visibility import VisibilityMap
+from hsr.mistakes.planted import MISTAKES, Renderer
+from hsr.problem.map import VisibilityMap
+from hsr.problem.view import View
 from tests.difference.planted import VIEWS
 
 SHOWN_BY = {

@@ -13,9 +13,9 @@ import hsr
 from hsr.algorithms import exact, scanline
 from hsr.algorithms.registry import methods
 from hsr.difference.cause import Causes, causes, pipeline_of
+from hsr.problem.map import VisibilityMap
+from hsr.problem.view import View, view
 from hsr.scene.model import Scene
-from hsr.viewing import View, view
-from hsr.visibility import VisibilityMap
 from tests.conftest import SCENES
 from tests.difference.planted import close_pair, prism
 

@@ -12,11 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hsr.algorithms.registry import render
+from hsr.base.errors import MethodError
 from hsr.difference.shrink import minimised, shrink
-from hsr.errors import MethodError
+from hsr.problem.view import view
 from hsr.scene.files import load
 from hsr.scene.writing import write_scene
-from hsr.viewing import view
 
 SIZE = (48, 40)
 

@@ -13,11 +13,11 @@ import pytest
 
 from hsr.algorithms import registry
 from hsr.algorithms.registry import Method
+from hsr.base.errors import MethodError, UnavailableError, ViewError
 from hsr.difference import study as module
 from hsr.difference.study import study
-from hsr.errors import MethodError, UnavailableError, ViewError
-from hsr.viewing import View
-from hsr.visibility import VisibilityMap
+from hsr.problem.map import VisibilityMap
+from hsr.problem.view import View
 
 CUBE = [{"name": "box", "shape": "cube"}]
 

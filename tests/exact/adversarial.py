@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from hsr.arrays import Array, Floats
-from hsr.viewing import View, view
+from hsr.base.arrays import Array, Floats
+from hsr.problem.view import View, view
 from tests.exact.hard import CULLS, CURVED, PLANAR, Random, hard_view, loose_view, scene
 
 Soup = tuple[Floats, Array]

@@ -15,8 +15,8 @@ from itertools import product
 from math import gcd
 from typing import Any
 
+from hsr.problem.view import Placement, View
 from hsr.scene.shapes import Kind
-from hsr.viewing import Placement, View
 
 Vector = Sequence[Any]
 Matrix = Sequence[Sequence[Any]]

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from hsr.errors import ViewError
-from hsr.viewing import View, view
+from hsr.base.errors import ViewError
+from hsr.problem.view import View, view
 from tests.exact.hard import CULLS, Random, scene
 
 POWERS = (-320, -310, -305, -300, -150, -30, 0, 0, 30, 150, 300)

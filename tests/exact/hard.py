@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from hsr.problem.view import View, view
 from hsr.scene.model import Scene
-from hsr.viewing import View, view
 
 CULLS = ("none", "none", "none", "back", "front")
 

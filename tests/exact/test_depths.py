@@ -11,7 +11,7 @@ import pytest
 from hsr.exact.depths import depth_quotient, depths_of
 from hsr.exact.oracle import truth
 from hsr.exact.problem import problem_of
-from hsr.viewing import view
+from hsr.problem.view import view
 from tests.exact.hard import CURVED, PLANAR, hard_view, loose_view, scene
 
 

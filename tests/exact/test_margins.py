@@ -6,9 +6,9 @@ import math
 
 import pytest
 
-from hsr.errors import ViewError
+from hsr.base.errors import ViewError
 from hsr.exact.margins import margins, pixels_to_zero
-from hsr.viewing import view
+from hsr.problem.view import view
 from tests.exact.hard import scene
 
 DOWN = {"type": "orthographic", "eye": [0.0, 0.0, 3.0], "height": 4.0, "far": 9.0}

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hsr.errors import ViewError
+from hsr.base.errors import ViewError
 from hsr.exact.numbers import frame_of, integers, inverse, samples
-from hsr.viewing import view
+from hsr.problem.view import view
 from tests.exact.hard import loose_view, scene
 
 finite = st.floats(allow_nan=False, allow_infinity=False)

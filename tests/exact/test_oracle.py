@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hsr.arrays import Floats
-from hsr.errors import ViewError
+from hsr.base.arrays import Floats
+from hsr.base.errors import ViewError
 from hsr.exact.oracle import Truth, truth
+from hsr.problem.view import Placement, View, view
 from hsr.scene.shapes import Kind, Polygons, Shape
-from hsr.viewing import Placement, View, view
 from tests.exact import brute
 from tests.exact.hard import CURVED, PLANAR, hard_view, loose_view, on_grid, scene
 

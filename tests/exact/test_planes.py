@@ -7,7 +7,7 @@ import pytest
 
 from hsr.exact.numbers import frame_of
 from hsr.exact.planes import Triangles, plane_name, ratio, triangles_of
-from hsr.viewing import View, view
+from hsr.problem.view import View, view
 from tests.exact.hard import scene
 
 DOWN = {"type": "orthographic", "eye": [0.0, 0.0, 3.0], "height": 4.0, "far": 9.0}

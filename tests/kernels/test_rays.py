@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hsr.kernels.facets import covered_nearness, facet_of, row_of
-from hsr.kernels.quadrics import BACK, FRONT
+from hsr.kernels.hits import BACK, FRONT
 from hsr.kernels.rays import NO_OWNER, Best, answer_of, better
 
 FAR_AWAY = -math.inf

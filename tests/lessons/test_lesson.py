@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import hsr
-from hsr.errors import HsrError, MethodError
+from hsr.base.errors import HsrError, MethodError
 from hsr.lessons.lesson import depth_writer, lesson_of, readable, view_of
 from hsr.lessons.topics import Topic, topic_named, topics
 from hsr.scene.model import Scene

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 import hsr
-from hsr.algorithms.depthformats import depths_of
+from hsr.algorithms.prepare.depth_formats import depths_of
 from hsr.algorithms.registry import method_named
-from hsr.errors import MethodError
+from hsr.base.errors import MethodError
 from hsr.kernels import rays, scanline
 from hsr.lessons import recording
 from hsr.lessons.interpret import interpreted, python_of
 from hsr.lessons.lesson import asked, record_by, view_of
 from hsr.lessons.recording import Recording
 from hsr.lessons.topics import Track, topics
-from hsr.visibility import VisibilityMap
+from hsr.problem.map import VisibilityMap
 
 TRACKS = [
     pytest.param(track, method, id=f"{name}-{k}-{method}")

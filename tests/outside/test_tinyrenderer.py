@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import hsr
-from hsr.errors import VisibilityError
+from hsr.base.errors import VisibilityError
+from hsr.problem.map import VisibilityMap
+from hsr.problem.view import View
 from hsr.scene.model import Scene
 from hsr.testing import assert_agree, from_ids
-from hsr.viewing import View
-from hsr.visibility import VisibilityMap
 
 tiny = pytest.importorskip("pytinyrenderer")
 

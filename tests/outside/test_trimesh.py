@@ -9,8 +9,8 @@ import pytest
 import trimesh
 
 import hsr
+from hsr.problem.view import View
 from hsr.testing import from_ids
-from hsr.viewing import View
 from tests.conftest import SCENES
 
 pytest.importorskip("embreex")

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from hsr.cli import app
+from hsr.cli.app import app
 
 BASELINES = "__visibility__/test_baselines"
 
@@ -394,7 +394,7 @@ def test_decisions_about_something_else(
 
 NEEDY = """
     import pytest
-    from hsr.errors import NoOpenGLError, UnavailableError
+    from hsr.base.errors import NoOpenGLError, UnavailableError
 
     @pytest.mark.visibility
     def test_gl():

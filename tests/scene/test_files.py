@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import hsr
-from hsr.errors import SceneError
-from hsr.scene.cameras import projection_of
+from hsr.base.errors import SceneError
+from hsr.scene.camera import projection_of
 from hsr.scene.files import load, shape_of
 from hsr.scene.model import Perspective, Scene
 from hsr.scene.shapes import MAX_FACES

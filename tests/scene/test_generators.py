@@ -11,7 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from hsr.arrays import Array, Floats, Ints
+from hsr.base.arrays import Array, Floats, Ints
 from hsr.scene import generators
 from hsr.scene.generators import Generated, fir, generate, menger, teapot, teapot_patches, terrain, torus_knot
 from hsr.scene.shapes import Polygons

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hsr.errors import ViewError
+from hsr.base.errors import ViewError
 from hsr.scene.files import load
 from hsr.scene.info import describe, lines, schema
 from hsr.scene.model import Scene

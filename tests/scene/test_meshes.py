@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hsr.errors import SceneError
+from hsr.base.errors import SceneError
 from hsr.scene import meshes
 from hsr.scene.meshes import Faces, joined, mesh_shape, read_faces
 from hsr.scene.shapes import Shape

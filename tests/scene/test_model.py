@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from hsr.scene.model import Perspective, Scene, Step, exact_determinant
-from hsr.scene.problems import lines_of
+from hsr.scene.validation import lines_of
 
 CAMERA = {"type": "perspective", "eye": [0.0, 0.0, 5.0]}
 CUBE = {"name": "a", "shape": "cube"}

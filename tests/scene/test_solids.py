@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from hsr.arrays import Array, Floats
+from hsr.base.arrays import Array, Floats
 from hsr.scene import solids
 from hsr.scene.model import exact_determinant
 from hsr.scene.shapes import Kind, Polygons, generic, tessellated

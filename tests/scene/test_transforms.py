@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hsr.errors import SceneError
+from hsr.base.errors import SceneError
 from hsr.scene.model import Cube, Scatter, Step
 from hsr.scene.transforms import compose, copies
 

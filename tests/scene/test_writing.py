@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hsr.errors import SceneError
+from hsr.base.errors import SceneError
+from hsr.problem.view import view
 from hsr.scene.files import load
 from hsr.scene.model import Scene
 from hsr.scene.writing import to_toml, write_scene
-from hsr.viewing import view
 
 BUILT_IN = sorted(path.name for path in (Path(__file__).parents[2] / "scenes").glob("*.toml"))
 ODD = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e300, max_value=1e300)

@@ -11,10 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hsr.errors import CheckError
+from hsr.base.errors import CheckError
+from hsr.problem.map import VisibilityMap
 from hsr.testing.baselines import changes, contents, file_stem, match, next_variant, read, variants, write
 from hsr.testing.limits import Limits
-from hsr.visibility import VisibilityMap
 
 FACE = np.array([[0, 1], [-1, 1]], dtype=np.int32)
 DEPTH = np.array([[1.0, 2.0], [np.inf, 3.0]])

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import hsr
-from hsr.errors import CheckError, MapError, VisibilityError
+from hsr.base.errors import CheckError, MapError, VisibilityError
+from hsr.problem.map import VisibilityMap
 from hsr.testing import assert_agree, assert_matches_baseline, assert_same_visibility, assert_similar
-from hsr.visibility import VisibilityMap
 from tests.conftest import SCENES
 
 ROOM = SCENES / "cube.toml"

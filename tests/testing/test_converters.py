@@ -10,10 +10,10 @@ import pytest
 from PIL import Image
 
 import hsr
-from hsr.errors import MapError
+from hsr.base.errors import MapError
+from hsr.problem.map import Admissible, VisibilityMap
+from hsr.problem.view import View
 from hsr.testing import by_object, from_ids, from_nvdiffrast, from_open3d, from_png, from_pyrender
-from hsr.viewing import View
-from hsr.visibility import Admissible, VisibilityMap
 
 FACE = np.array([[-1, 0, 2], [1, 1, -1]], dtype=np.int32)
 

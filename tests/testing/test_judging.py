@@ -11,12 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hsr
-from hsr.errors import CheckError
+from hsr.base.errors import CheckError
+from hsr.problem.map import Admissible, VisibilityMap, depth_format
+from hsr.problem.view import View
 from hsr.testing.judging import judge
 from hsr.testing.limits import Limits
 from hsr.testing.problems import Problem, problem_of
-from hsr.viewing import View
-from hsr.visibility import Admissible, VisibilityMap, depth_format
 
 
 def a_map(face: Any, depth: Any = 2.0, method: str = "a", **more: Any) -> VisibilityMap:

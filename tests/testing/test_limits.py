@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from hsr.errors import CheckError
+from hsr.base.errors import CheckError
 from hsr.testing.limits import Limits, merged
 
 

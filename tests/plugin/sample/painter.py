@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hsr.visibility import VisibilityMap
+from hsr.problem.map import VisibilityMap
 
 LETTERS = ".abcdefgh"
 

@@ -1,0 +1,1 @@
+"""What methods make ready of a view before their kernels run."""

@@ -1,0 +1,440 @@
+"""Ray casting by coherent tiles of rays, certified.
+
+The rays of a tile of the image go together through hierarchies that are refitted to the screen
+(:mod:`hsr.kernels.raytiles.casting`), and meet triangles by the tests of the depth buffer, spheres and
+cylinders as quadrics on the screen (:mod:`hsr.kernels.raytiles.curved`). Squares, cubes and polyhedra are met
+face by face, as the fans of triangles that their polygons mean; single rays cut them by half-spaces
+(:mod:`hsr.kernels.hits`). Every decision that rounding might turn is noted instead of taken, and taken
+afterwards in exact arithmetic (:mod:`hsr.certify`). So the face of every sample is the true one, ties
+included, curved shapes too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from hsr.algorithms.prepare.behind_eye import loose_tables, loose_triangles
+from hsr.algorithms.prepare.quadrics import quadrics_of
+from hsr.algorithms.zbuffer import NO_DOUBTS, format_of, number_bits
+from hsr.base.arrays import Array, Bools, Floats, Ints
+from hsr.base.jit import thread_count
+from hsr.certify import first_pieces, resolve
+from hsr.kernels import hierarchy
+from hsr.kernels.projection import clip_rows, to_clip
+from hsr.kernels.raytiles import casting
+from hsr.kernels.raytiles.casting import MEMBER, NO_QUADRIC, SHARE
+from hsr.kernels.threads import threads_apart
+from hsr.kernels.zbuffer import key_buffer
+from hsr.kernels.zbuffer.halfspaces import (
+    CLUSTER,
+    ERROR,
+    LANES,
+    LOOSE,
+    SIDE_BY_SIDE,
+    SMALL,
+    Eye,
+    U,
+    eye_between,
+)
+from hsr.kernels.zbuffer.tiles import CELL, COLUMNS, LINES, deal
+from hsr.problem.map import Clock, VisibilityMap
+from hsr.problem.view import Placement, View, reversed_loops
+from hsr.scene.shapes import Kind, Shape
+
+LEAF = CLUSTER
+"""Most triangles in a leaf: as many as are set up side by side."""
+
+BATCH = 1 << 18
+"""Vertices and nodes laid out on the screen together, or those of one object if it has more."""
+
+SHARE_OF_VERTICES, SHARE_OF_NODES = SIDE_BY_SIDE, 64
+"""What one thread lays out at a time."""
+
+ROOM = 256
+"""Doubts of a tile for which there is room at first; a tile with more is cast again."""
+
+
+# What over- or underflows here is bounded by infinity, and so decided exactly.
+@np.errstate(all="ignore")
+def render(view: View, certified: bool) -> VisibilityMap:
+    """Find what the ray of every sample meets first, tile by tile; see :func:`hsr.algorithms.raycast.render`.
+
+    Parameters
+    ----------
+    view : View
+    certified : bool
+        Whether what float64 leaves in doubt is decided exactly.
+    """
+    clock = Clock()
+    with clock("build"):
+        meshes = {kind: mesh_of(*kind) for kind in map(_kind, view.placements)}
+    with clock("prepare"):
+        world = _world(view, meshes)
+        # Touch the memory now: the first touch of a page takes longer than what is computed in it.
+        room, size = _room(world.members), (view.height, view.width)
+        face, depth = np.full(size, -1, np.int32), np.full(size, np.inf)
+    with clock("render"), threads_apart():
+        rows = clip_matrices(view)
+        eye = eye_of(view, world, rows)
+        caster = Caster(view, world, rows, eye, certified, (world.faces, face, depth))
+        found, counts = _cast(caster, room)
+        resolved = resolve(view, found["sample"], _pieces(world, found), found["sure"])
+        face.ravel()[resolved.sample], depth.ravel()[resolved.sample] = resolved.face, resolved.depth
+    work = {
+        "rays": view.width * view.height,
+        "nodes visited": int(counts[casting.NODES]),
+        "extent tests": int(counts[casting.EXTENTS]),
+        "face tests": int(counts[key_buffer.TRIANGLES]),
+        "uncertain": len(resolved.sample),
+    }
+    notes = {"depth_format": format_of(view, len(world.faces), eye)}
+    return VisibilityMap(face, depth, "raycast", work, clock.seconds, notes)
+
+
+# ---------------------------------------------------------------- once a shape
+
+
+class Mesh(NamedTuple):
+    """A shape of planar faces as triangles, in the order of the leaves of its hierarchy; else nothing.
+
+    Attributes
+    ----------
+    vertices : (3, V) float64, object space
+    corner : (n, 3) int32
+        Counter-clockwise to the eye if seen from the front.
+    number : (n,) int32
+        Number of each triangle among the fans of the polygons.
+    tree : (N, 2) int32
+        ``first`` and ``count`` of the nodes, see :data:`hsr.kernels.hierarchy.NODE`.
+    box : (2, 3) float64
+        Opposite corners of the box around the shape, whatever it is.
+    """
+
+    vertices: Floats
+    corner: Ints
+    number: Ints
+    tree: Ints
+    box: Floats
+
+
+MeshKind = tuple[Shape, bool]
+"""A shape, and whether its object is mirrored: the fans of its polygons then run the other way round."""
+
+_meshes: WeakKeyDictionary[Shape, dict[bool, Mesh]] = WeakKeyDictionary()
+
+
+def mesh_of(shape: Shape, mirrored: bool) -> Mesh:
+    """Build the hierarchy of a shape, once for all its instances and views."""
+    if shape.polygons is None:
+        corner, number, tree = (np.empty(size, np.int32) for size in ((0, 3), 0, (0, 2)))
+        return Mesh(np.empty((3, 0)), corner, number, tree, box_of(shape))
+    built = _meshes.setdefault(shape, {})
+    if mirrored not in built:
+        polygons, box = shape.polygons, box_of(shape)
+        if mirrored:
+            polygons = replace(polygons, corner=reversed_loops(polygons))
+        number, tree = hierarchy.tree_of(polygons.vertices, polygons.triangle_vertex, box, LEAF)
+        corner = np.take(polygons.triangle_vertex, number, axis=0)
+        vertices = np.ascontiguousarray(polygons.vertices.T)
+        built[mirrored] = Mesh(vertices, corner, number, tree, box)
+    return built[mirrored]
+
+
+def _kind(placement: Placement) -> MeshKind:
+    return placement.shape, placement.mirrored
+
+
+BOXES = {
+    Kind.SPHERE: np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]]),
+    Kind.CYLINDER: np.array([[-1.0, -1.0, 0.0], [1.0, 1.0, 1.0]]),
+}
+
+
+def box_of(shape: Shape) -> Floats:
+    """Return the opposite corners (2, 3) of the box around a shape, object space."""
+    if shape.polygons is None:
+        return BOXES[shape.kind]
+    return hierarchy.box_of(shape.polygons.vertices)
+
+
+# ---------------------------------------------------------------- once a view
+
+
+class World(NamedTuple):
+    """The objects of a view.
+
+    Attributes
+    ----------
+    shapes : Shapes
+        The data of all meshes, one after the other.
+    members : (n,) MEMBER
+        The objects, with no place on the screen yet.
+    box : (n, 2, 3) float64
+        Opposite corners of the boxes around them, object space.
+    faces : (pieces,) int32
+        Face of each piece, see :func:`hsr.certify.first_pieces`.
+    """
+
+    shapes: casting.Shapes
+    members: Array
+    box: Floats
+    faces: Ints
+
+
+def _world(view: View, meshes: dict[MeshKind, Mesh]) -> World:
+    """Join the data of all meshes, and say of each object where its own is."""
+    sizes = np.array([[mesh.vertices.shape[1], len(mesh.corner), len(mesh.tree)] for mesh in meshes.values()])
+    described = np.zeros(len(meshes), MEMBER)
+    described["vertices"], described["triangles"], described["nodes"] = sizes.T
+    described["vertex"], described["triangle"], described["node"] = (np.cumsum(sizes, axis=0) - sizes).T
+
+    place = {kind: k for k, kind in enumerate(meshes)}
+    which = [place[_kind(placement)] for placement in view.placements]
+    members = described[which]
+    members["object"] = np.arange(len(members))
+    members["cull"] = [placement.cull for placement in view.placements]
+    members["piece"] = first_pieces(view)[:-1]
+    members["quadric"] = NO_QUADRIC
+    points, *shapes, boxes = zip(*meshes.values(), strict=True)
+    vertices = _joined(points, axis=1)
+    corner, number, tree = (_joined(parts) for parts in shapes)
+    return World((vertices, corner, number, tree), members, np.array(boxes)[which], _faces(view))
+
+
+def _joined(parts: Sequence[Array], axis: int = 0) -> Array:
+    """Concatenate arrays; a single one is not copied."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts, axis)
+
+
+def _faces(view: View) -> Ints:
+    """Return the face of each piece."""
+    own = {placement.shape: _faces_of(placement.shape) for placement in view.placements}
+    return np.concatenate([own[placement.shape] + np.int32(placement.first) for placement in view.placements])
+
+
+def _faces_of(shape: Shape) -> Ints:
+    if shape.polygons is None:
+        return np.arange(shape.faces, dtype=np.int32)
+    return shape.polygons.triangle_face
+
+
+Room = tuple[Floats, Floats]
+"""Room for the projected vertices (v, 4) and the extents of the nodes (e, 5) of any batch."""
+
+
+def _room(members: Array) -> Room:
+    vertices, nodes = (
+        min(int(sizes.sum()), max(BATCH, int(sizes.max())))
+        for sizes in (members["vertices"], members["nodes"])
+    )
+    return np.full((vertices, 4), 0.0), np.full((nodes, 5), 0.0)
+
+
+def clip_matrices(view: View) -> Floats:
+    """Return the matrices (n, 3, 4) that carry the objects' points (x, y, z, 1) to clip space (x, y, d)."""
+    matrices = np.array([placement.world_from_object for placement in view.placements])
+    return np.asarray(clip_rows(view.clip_from_world, view.depth_row) @ matrices)
+
+
+def eye_of(view: View, world: World, rows: Floats) -> Eye:
+    """Measure a view for the kernels.
+
+    An entry of a matrix is a sum of at most four products, by rows that were divided once; a clip coordinate
+    is a sum of three products and an offset, and depth is taken for w: fewer than sixteen roundings, each of
+    at most the sum of the magnitudes.
+    """
+    matrices = abs(np.array([placement.world_from_object for placement in view.placements]))
+    clip = abs(clip_rows(view.clip_from_world, view.depth_row))
+    bound = (clip + SMALL) @ matrices + SMALL
+    size = (bound[:, :, :3] @ abs(world.box).max(axis=1)[:, :, None])[:, :, 0] + bound[:, :, 3]
+    least, most = _depths(world, rows)
+    error_x, error_y, error_d = (16.0 * U * size.max(axis=0)).tolist()
+    return eye_between(
+        view.perspective,
+        (float(view.width), float(view.height)),
+        (error_x, error_y, error_d),
+        (view.near, view.far),
+        (float(least.min()), float(most.max())),
+    )
+
+
+def _depths(world: World, rows: Floats) -> tuple[Floats, Floats]:
+    """Return the least and the greatest depth (n,) of the objects' boxes."""
+    ends = rows[:, None, 2, :3] * world.box
+    offset = rows[:, 2, 3]
+    return offset + ends.min(axis=1).sum(axis=1), offset + ends.max(axis=1).sum(axis=1)
+
+
+# ---------------------------------------------------------------- all rays
+
+
+class Caster(NamedTuple):
+    """A view as the kernels see it, and the answer.
+
+    Attributes
+    ----------
+    view : View
+    world : World
+    rows : (n, 3, 4) float64
+        See :func:`clip_matrices`.
+    eye : Eye
+    certified : bool
+    image : Image
+    """
+
+    view: View
+    world: World
+    rows: Floats
+    eye: Eye
+    certified: bool
+    image: casting.Image
+
+
+def _cast(caster: Caster, room: Room) -> tuple[Array, Array]:
+    """Cast all rays into batches of objects, nearest first; return the doubts (m,) and the counts."""
+    extent, seen = _extents(caster)
+    members = caster.world.members
+    curved = np.flatnonzero(seen & (members["nodes"] == 0))
+    members["quadric"][curved] = np.arange(len(curved))
+    quadrics = quadrics_of(caster.view, curved, members["piece"][curved], extent[curved, :4], caster.eye)
+
+    order = np.argsort(extent[:, 4], kind="stable")
+    batches = list(_batches(order[seen[order]], members))
+    kept = _kept(caster.view) if len(batches) > 1 else None
+    found, total = [NO_DOUBTS], np.zeros(casting.COUNTS, np.int64)
+    for chosen in batches:
+        if kept is not None:
+            chosen = chosen[casting.may_show(extent[chosen], _gap(caster), kept[1])]
+        laid = _lay_out(caster, members[chosen], extent[chosen], room)
+        for noted, counts in _cast_batch(caster, laid, (quadrics, _loose(caster, laid)), kept):
+            found.append(noted)
+            total += counts
+    every = np.concatenate(found)
+    return every if kept is None else _settled(caster, every, kept[0]), total
+
+
+def _extents(caster: Caster) -> tuple[Floats, Bools]:
+    """Return what samples each object may cover and how near it comes (n, 5), and whether it may be seen."""
+    extent, (least, most) = np.empty((len(caster.rows), 5)), _depths(caster.world, caster.rows)
+    casting.reach_objects(caster.world.box, caster.rows, caster.eye, extent)
+    seen = (extent[:, 0] < extent[:, 1]) & (extent[:, 2] < extent[:, 3])
+    # Depths that overflowed are not numbers: such an object may be anywhere.
+    error = caster.eye.error_d
+    return extent, seen & ~(most < caster.view.near - error) & ~(least > caster.view.far + error)
+
+
+def _batches(order: Array, members: Array) -> Iterator[Array]:
+    """Cut the objects into runs of at most ``BATCH`` vertices and nodes, or of one object."""
+    start, laid = 0, 0
+    for end, size in enumerate(members["vertices"][order] + members["nodes"][order]):
+        if end > start and laid + size > BATCH:
+            yield order[start:end]
+            start, laid = end, 0
+        laid += size
+    if start < len(order):
+        yield order[start:]
+
+
+def _kept(view: View) -> casting.Kept:
+    """Return tiles that show nothing; samples beyond the image hide everything."""
+    rows, columns = -(-view.height // LINES), -(-view.width // COLUMNS)
+    keys = np.full((rows, columns, LINES, COLUMNS + LANES), key_buffer.EMPTY, np.int64)
+    keys[-1, :, view.height - (rows - 1) * LINES :] = 0
+    keys[:, -1, :, view.width - (columns - 1) * COLUMNS :] = 0
+    return keys, np.full((rows, columns, LINES // CELL, COLUMNS // CELL), np.inf)
+
+
+def _lay_out(caster: Caster, members: Array, extent: Floats, room: Room) -> casting.Laid:
+    """Lay a batch of objects out on the screen."""
+    for place, size in (("to_screen", "vertices"), ("to_extent", "nodes")):
+        members[place] = np.cumsum(members[size]) - members[size]
+    laid = (members, extent, room[0][: members["vertices"].sum()], room[1][: members["nodes"].sum()])
+    vertices, nodes = (
+        _shares(members[size], most)
+        for size, most in (("vertices", SHARE_OF_VERTICES), ("nodes", SHARE_OF_NODES))
+    )
+    casting.lay_out(caster.world.shapes, caster.rows, caster.eye, vertices, nodes, laid)
+    return laid
+
+
+def _shares(sizes: Array, most: int) -> Array:
+    """Cut what each member has into shares of at most ``most``."""
+    parts = -(-sizes // most)
+    shares = np.empty(parts.sum(), SHARE)
+    shares["member"] = np.repeat(np.arange(len(sizes)), parts)
+    shares["start"] = most * (np.arange(len(shares)) - np.repeat(np.cumsum(parts) - parts, parts))
+    shares["end"] = np.minimum(shares["start"] + most, sizes[shares["member"]])
+    return shares
+
+
+def _loose(caster: Caster, laid: casting.Laid) -> Floats:
+    """Set up the triangles of a batch of which a corner is not certain."""
+    members, _, screen, _ = laid
+    uncertain = np.flatnonzero(~(screen[:, ERROR] <= LOOSE))
+    clip, pieces = [np.empty((0, 3, 3))], [np.empty(0, np.int32)]
+    for member in members[np.unique(np.searchsorted(members["to_screen"], uncertain, "right") - 1)]:
+        vertices, corner, number = _own(caster.world, member)
+        projected = screen[member["to_screen"] :][: len(vertices)]
+        chosen = loose_triangles(projected, corner, caster.eye)
+        corners = to_clip(vertices[corner[chosen].ravel()], caster.rows[member["object"]])
+        clip.append(corners.reshape(-1, 3, 3))
+        pieces.append(number[chosen] + np.int32(member["piece"]))
+    piece = np.concatenate(pieces)
+    return loose_tables(caster.view, np.concatenate(clip), piece, piece, caster.eye)
+
+
+def _own(world: World, member: Array) -> tuple[Floats, Ints, Ints]:
+    """Return the vertices, corners and numbers of a member's triangles."""
+    vertices, corner, number, _ = world.shapes
+    vertex = slice(member["vertex"], member["vertex"] + member["vertices"])
+    triangle = slice(member["triangle"], member["triangle"] + member["triangles"])
+    return vertices[:, vertex].T, corner[triangle], number[triangle]
+
+
+def _cast_batch(
+    caster: Caster, laid: casting.Laid, special: tuple[Array, Floats], kept: casting.Kept | None
+) -> Iterator[tuple[Array, Array]]:
+    """Cast all rays into a batch that is laid out; yield doubts and counts of tiles."""
+    extent, loose = laid[1], special[1]
+    listed, todo = deal(extent, caster.view.width, caster.view.height, thread_count())
+    todo = todo[(len(loose) > 0) | (todo[:, 2] < todo[:, 3])]
+    shapes, eye, image, room = caster.world.shapes, caster.eye, caster.image, ROOM
+    while len(todo):
+        counts = np.zeros((len(todo), casting.COUNTS), np.int64)
+        noted = np.empty((len(todo), room), key_buffer.DOUBT) if caster.certified else None
+        casting.cast(shapes, laid, special, listed, todo, eye, kept, image, noted, counts)
+        used = counts[:, key_buffer.USED].tolist()
+        parts = [] if noted is None else [noted[k, :n] for k, n in enumerate(used) if 0 < n <= room]
+        again = [k for k, n in enumerate(used) if n > room]
+        counts[again] = 0
+        yield np.concatenate([NO_DOUBTS, *parts]), counts.sum(axis=0)
+        # Settling a tile at most doubles its doubts.
+        todo, room = todo[again], 2 * max(used)
+
+
+# ---------------------------------------------------------------- what is in doubt
+
+
+def _settled(caster: Caster, found: Array, keys: Array) -> Array:
+    """Forget doubts that later batches hide, and where some are left, add what the keys show in the end."""
+    row, column = np.divmod(found["sample"], caster.view.width)
+    shown = keys[row // LINES, column // COLUMNS, row % LINES, column % COLUMNS]
+    left = found["key"] - shown <= _gap(caster)
+    last = found[left & (shown != key_buffer.EMPTY)]
+    last["key"], last["sure"] = shown[left & (shown != key_buffer.EMPTY)], True
+    return np.concatenate([found[left], np.unique(last)])
+
+
+def _gap(caster: Caster) -> int:
+    """Return by how much keys differ at most whose depths may be equal."""
+    return key_buffer.gap_of(key_buffer.depth_mask(len(caster.world.faces)), caster.eye.tie)
+
+
+def _pieces(world: World, found: Array) -> Array:
+    """Return which piece each doubt is about."""
+    return np.asarray(found["key"] & number_bits(len(world.faces)))

@@ -1,0 +1,318 @@
+"""The depth buffer, certified: half-space tests in float64, and what they leave in doubt decided exactly.
+
+The same contract as :mod:`hsr.algorithms.scanline`, by another kernel, several times faster. Vertices are
+projected, with bounds of their errors; clusters of triangles go through tiles of the image, nearest first,
+while those behind what is already there are left out (:mod:`hsr.kernels.zbuffer.tiles`). Every decision that
+rounding might turn is noted instead of taken, and taken afterwards in exact arithmetic (:mod:`hsr.certify`).
+So the face of every sample is the true one, ties included: that of ``view.tessellated()`` in the limit from
+the right and below.
+
+Nothing is clipped. A triangle with a corner at or behind the eye is set up from its exact homogeneous edges
+(Olano & Greer, "Triangle Scan Conversion Using 2D Homogeneous Coordinates", 1997), and near and far are two
+more tests at each sample.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from hsr.algorithms.prepare.behind_eye import loose_tables, loose_triangles
+from hsr.base.arrays import Array, Floats, Ints
+from hsr.base.jit import thread_count
+from hsr.certify import resolve
+from hsr.kernels import hierarchy
+from hsr.kernels.projection import clip_rows, to_clip
+from hsr.kernels.threads import threads_apart
+from hsr.kernels.zbuffer import clusters, halfspaces, key_buffer, tiles
+from hsr.kernels.zbuffer.halfspaces import CLUSTER, SMALL, TABLE, Eye, U, nearness_at
+from hsr.problem.map import Clock, VisibilityMap, depth_format
+from hsr.problem.view import View, WorldPolygons
+from hsr.scene.shapes import Shape
+
+ROOM = 64
+"""Doubts of a tile for which there is room at first; a tile with more is drawn again."""
+
+NO_DOUBTS, NO_TABLES = np.empty(0, key_buffer.DOUBT), np.empty((0, TABLE))
+
+
+@dataclass(frozen=True)
+class Options:
+    """How sure the answer is.
+
+    Attributes
+    ----------
+    certified : bool
+        Whether what float64 leaves in doubt is decided exactly. Otherwise a sample within rounding of an
+        edge belongs to all triangles that seem to cover it, and of equal depths one of them wins: what
+        certification costs is the difference in time.
+    """
+
+    certified: bool = True
+
+
+def render(view: View, options: Options) -> VisibilityMap:
+    """Render a view with a depth buffer filled by half-space tests.
+
+    Parameters
+    ----------
+    view : View
+        Curved shapes are tessellated.
+    options : Options
+
+    Returns
+    -------
+    VisibilityMap
+        Certified, ``face`` is exact; ``depth`` is correctly rounded where it was decided exactly, and
+        elsewhere its inverse (under perspective; in a parallel view it itself) is within 2^-35 of the range
+        of what is seen, or what its vertices' rounding makes of it if that is more. ``seconds``:
+        ``prepare`` puts the triangles into world space and in order, and makes room for the answer;
+        ``render`` is all the rest. ``work``: ``triangles``, ``clusters_drawn`` and ``clusters_hidden``,
+        ``triangles_drawn``, each once for every tile of the image, ``uncertain`` samples, which were
+        decided exactly, and ``buffer_bytes``, those of the answer.
+
+    Notes
+    -----
+    Memory beside the answer, which takes 12 bytes a sample: 56 bytes a vertex, 21 a triangle, 96 a cluster of
+    32, 49 more where something is culled, and 4 for each tile that it may touch; 540 kB of keys for each
+    thread; 17 bytes for each doubt of the most doubtful tile, at most twice, in every tile that is drawn
+    again.
+    """
+    clock = Clock()
+    with clock("prepare"):
+        view = view.tessellated()
+        mesh = mesh_of(view)
+        # Touch the memory now: the first touch of a page takes longer than what is computed in it.
+        screen = np.full((mesh.vertices.shape[1], 4), 0.0)
+        face, depth = (
+            np.full((view.height, view.width), -1, np.int32),
+            np.full((view.height, view.width), np.inf),
+        )
+    with clock("render"), threads_apart():
+        rows = clip_rows(view.clip_from_world, view.depth_row)
+        eye = eye_of(view, mesh, rows)
+        found, counts = draw(view, mesh, rows, eye, screen, options.certified, (face, depth))
+        resolved = resolve(view, found["sample"], mesh.number[_number(mesh, found)], found["sure"])
+        face.ravel()[resolved.sample], depth.ravel()[resolved.sample] = resolved.face, resolved.depth
+    work = {
+        "triangles": len(mesh.corner),
+        "clusters_drawn": int(counts[tiles.DRAWN]),
+        "clusters_hidden": int(counts[tiles.HIDDEN]),
+        "triangles_drawn": int(counts[key_buffer.TRIANGLES]),
+        "uncertain": len(resolved.sample),
+        "buffer_bytes": face.nbytes + depth.nbytes,
+    }
+    notes = {"depth_format": format_of(view, len(mesh.corner), eye)}
+    return VisibilityMap(face, depth, "zbuffer", work, clock.seconds, notes)
+
+
+# ---------------------------------------------------------------- once a view
+
+
+class Mesh(NamedTuple):
+    """The triangles of a view in clusters, which are neighbours on a Morton curve.
+
+    Attributes
+    ----------
+    vertices : (3, V) float64, world space
+    corner : (n, 3) int32
+    cull : (n,) int8
+    faces : (n,) int32
+        Face of each triangle.
+    number : (n,) int32
+        Its number among the fans of the polygons.
+    low, high : (3, clusters) float64
+        The boxes around the clusters.
+    box : (2, 3) float64
+        That around them all.
+    slack : (3,) float64
+        By how much the vertices, which are rounded, may miss the true ones.
+    culls : (clusters,) int8
+        What all triangles of each cull, 0 if they differ.
+    normals : (low, high) or None
+        The boxes (3, clusters) around their normals; None if nothing is culled.
+    """
+
+    vertices: Floats
+    corner: Ints
+    cull: Array
+    faces: Ints
+    number: Ints
+    low: Floats
+    high: Floats
+    box: Floats
+    slack: Floats
+    culls: Array
+    normals: tuple[Floats, Floats] | None
+
+
+_meshes: WeakKeyDictionary[WorldPolygons, Mesh] = WeakKeyDictionary()
+
+
+def mesh_of(view: View) -> Mesh:
+    """Put the triangles of a view without curved shapes in clusters, once for all its pictures."""
+    polygons = view.polygons
+    if polygons not in _meshes:
+        _meshes[polygons] = clustered(view, np.arange(len(polygons.triangle_vertex)), polygons.triangle_face)
+    return _meshes[polygons]
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def clustered(view: View, chosen: Array, faces: Ints) -> Mesh:
+    """Put some triangles (n,) of the fans in clusters; ``faces`` (all,) is what they shall show."""
+    polygons = view.polygons
+    vertex, place = along_the_curve(polygons.vertices, polygons.vertices)
+    low, high = hierarchy.boxes_of(polygons.vertices, polygons.triangle_vertex[chosen])
+    order, _ = along_the_curve(low, high)
+    number, first = chosen[order].astype(np.int32), np.arange(0, len(order), CLUSTER)
+    low, high = np.minimum.reduceat(low[order], first), np.maximum.reduceat(high[order], first)
+    vertices, corner = (
+        np.ascontiguousarray(polygons.vertices[vertex].T),
+        place[polygons.triangle_vertex[number]],
+    )
+    cull, slack = polygons.cull[polygons.triangle_polygon[number]], world_slack(view)
+    least, most = np.minimum.reduceat(cull, first), np.maximum.reduceat(cull, first)
+    return Mesh(
+        vertices,
+        corner,
+        cull,
+        faces[number],
+        number,
+        np.ascontiguousarray(low.T),
+        np.ascontiguousarray(high.T),
+        np.stack([low.min(axis=0), high.max(axis=0)]),
+        slack,
+        np.where(least == most, least, 0),
+        normals_of(vertices, corner, slack) if cull.any() else None,
+    )
+
+
+def normals_of(vertices: Floats, corner: Ints, slack: Floats) -> tuple[Floats, Floats]:
+    """Return opposite corners of the boxes around the normals of clusters; see :mod:`.clusters`."""
+    size = (3, -(-len(corner) // CLUSTER))
+    low, high = np.empty(size), np.empty(size)
+    clusters.normal_boxes(vertices, corner, slack, low, high)
+    return low, high
+
+
+def along_the_curve(low: Floats, high: Floats) -> tuple[Ints, Ints]:
+    """Return the order of boxes along a Morton curve, and the place of each in it: neighbours get close."""
+    _, order = hierarchy.radix_sort(hierarchy.morton_codes(low, high))
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order), dtype=order.dtype)
+    return order, place
+
+
+def world_slack(view: View) -> Floats:
+    """Bound (3,) by how much the rounded vertices of a view's polygons miss the true ones, world space.
+
+    A coordinate is a sum of three products and a translation: fewer than eight roundings, each of at most
+    the sum of their magnitudes.
+    """
+    matrix = abs(np.array([placement.world_from_object for placement in view.placements]))
+    farthest = {id(p.shape): abs(_vertices(p.shape)).max(axis=0) for p in view.placements}
+    reach = np.array([farthest[id(placement.shape)] for placement in view.placements])
+    size = (matrix[:, :3, :3] @ reach[:, :, None])[:, :, 0] + matrix[:, :3, 3]
+    return np.asarray(8.0 * U * (size.max(axis=0) + SMALL))
+
+
+def _vertices(shape: Shape) -> Floats:
+    assert shape.polygons is not None, "the view is tessellated"
+    return shape.polygons.vertices
+
+
+# ---------------------------------------------------------------- once a picture
+
+
+# What over- or underflows here and below is bounded by infinity, and so decided exactly.
+@np.errstate(all="ignore")
+def eye_of(view: View, mesh: Mesh, rows: Floats) -> Eye:
+    """Measure a view for the kernels; see :func:`hsr.kernels.zbuffer.halfspaces.eye_around`."""
+    size, limits = (view.width, view.height), (view.near, view.far)
+    return halfspaces.eye_around(view.perspective, size, limits, rows, mesh.box, mesh.slack)
+
+
+@np.errstate(all="ignore")
+def draw(
+    view: View,
+    mesh: Mesh,
+    rows: Floats,
+    eye: Eye,
+    screen: Floats,
+    certified: bool,
+    answer: tuple[Ints, Floats],
+) -> tuple[Array, Array]:
+    """Draw a mesh into face (H, W) and depth (H, W).
+
+    Parameters
+    ----------
+    view : View
+        Without curved shapes.
+    mesh : Mesh
+    rows : (3, 4) float64
+        From world to clip space (x, y, d).
+    eye : Eye
+    screen : (V, 4) float64
+        Room for the projected vertices.
+    certified : bool
+    answer : (face, depth)
+        They show the background.
+
+    Returns
+    -------
+    found : (m,) DOUBT
+        None if not certified.
+    counts : (COUNTS,) int64
+    """
+    extent = np.empty((mesh.low.shape[1], 5))
+    uncertain = tiles.lay_out(mesh.vertices, mesh.low, mesh.high, rows, eye, screen, extent)
+    if mesh.normals is not None:
+        sight = clusters.sight_of(view.perspective, rows)
+        clusters.leave_out((mesh.low, mesh.high), mesh.normals, mesh.culls, mesh.slack, sight, extent)
+    loose = _loose(view, mesh, rows, eye, screen) if uncertain else NO_TABLES
+    listed, todo = tiles.deal(extent, view.width, view.height, thread_count())
+    prepared = (screen, mesh.corner, mesh.cull, mesh.faces)
+
+    found, total, room = [NO_DOUBTS], np.zeros(tiles.COUNTS, np.int64), ROOM
+    while len(todo):
+        counts = np.zeros((len(todo), tiles.COUNTS), np.int64)
+        noted = np.empty((len(todo), room), key_buffer.DOUBT) if certified else None
+        tiles.rasterise(prepared, extent, listed, todo, loose, eye, noted, counts, *answer)
+        used = counts[:, key_buffer.USED].tolist()
+        if noted is not None:
+            found += [noted[k, :n] for k, n in enumerate(used) if 0 < n <= room]
+        again = [k for k, n in enumerate(used) if n > room]
+        counts[again] = 0
+        total += counts.sum(axis=0)
+        # Settling a tile at most doubles its doubts.
+        todo, room = todo[again], 2 * max(used)
+    return np.concatenate(found), total
+
+
+def _loose(view: View, mesh: Mesh, rows: Floats, eye: Eye, screen: Floats) -> Floats:
+    """Set up the triangles of which a corner is not certain."""
+    chosen = loose_triangles(screen, mesh.corner, eye)
+    clip = to_clip(mesh.vertices.T[mesh.corner[chosen].ravel()], rows).reshape(-1, 3, 3)
+    return loose_tables(view, clip, mesh.number[chosen], chosen, eye)
+
+
+def _number(mesh: Mesh, found: Array) -> Array:
+    """Return which triangle each doubt is about."""
+    return np.asarray(found["key"] & number_bits(len(mesh.corner)))
+
+
+def number_bits(count: int) -> int:
+    """Return the bits of a key that tell so many triangles apart."""
+    return int(key_buffer.EMPTY) - int(key_buffer.depth_mask(count))
+
+
+def format_of(view: View, count: int, eye: Eye) -> dict[str, Any]:
+    """Describe the key depths of so many triangles as window depths, 0 at near and 1 at far."""
+    step = (number_bits(count) + 1.0) * 2.0**-63 / eye.scale
+    whole = nearness_at(view.near, view.perspective) - nearness_at(view.far, view.perspective)
+    # Near and far may be too close to each other for more than one step.
+    share = step / whole if whole > step else 1.0
+    return depth_format("window", share, view.near, view.far, view.perspective)

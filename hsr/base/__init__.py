@@ -1,0 +1,1 @@
+"""What everything stands on: errors, names of arrays, whole files, the one Numba decorator."""

@@ -1,0 +1,53 @@
+"""Writing files: whole, or not at all."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from hsr.base.errors import HsrError
+
+
+def write_whole(path: str | Path, data: bytes | str, what: str, error: type[HsrError] = HsrError) -> None:
+    """Write a file, or leave what was there.
+
+    Parameters
+    ----------
+    path : str or Path
+    data : bytes or str
+        Text is written as UTF-8.
+    what : str
+        What the file is, for the message: ``"the map"``.
+    error : type of HsrError
+        What to raise.
+
+    Raises
+    ------
+    HsrError
+        Of the type ``error``, if the file cannot be written.
+    """
+    target = Path(path)
+    unfinished = target.with_name(f".{target.name}.{os.getpid()}")
+    try:
+        try:
+            unfinished.write_bytes(data if isinstance(data, bytes) else data.encode("utf-8"))
+            unfinished.replace(target)
+        finally:
+            unfinished.unlink(missing_ok=True)
+    except OSError as problem:
+        raise error(f"{path}: cannot write {what}: {problem.strerror}") from problem
+
+
+def make_folder(path: str | Path) -> Path:
+    """Make a folder, and those above it, unless it is there.
+
+    Raises
+    ------
+    HsrError
+        If that fails.
+    """
+    try:
+        Path(path).mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise HsrError(f"{path}: cannot make the folder: {problem.strerror}") from problem
+    return Path(path)

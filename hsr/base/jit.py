@@ -1,0 +1,78 @@
+"""The one Numba decorator of the package.
+
+No ``fastmath``, not even contraction of ``a * b + c``: the signs that decide visibility must be
+those of plain IEEE arithmetic, on every processor. ``error_model="numpy"`` makes a division by
+zero an infinity instead of an exception. Compiled kernels are cached on disk.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+# An idle thread of GNU OpenMP spins for some 8 ms before it sleeps. On a busy machine that takes time from
+# others, even from the threads it waits for, so let it be some 30 us: less than it takes to wake up.
+if "OMP_WAIT_POLICY" not in os.environ:
+    os.environ.setdefault("GOMP_SPINCOUNT", "1000")
+
+import numba
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+MODELS = ("models/embree", "models/llvmpipe")
+KERNEL_FOLDERS = ("kernels", "kernels/zbuffer", "kernels/raytiles", "exact", "embree", *MODELS)
+"""Folders of this package that hold compiled functions."""
+
+prange = numba.prange
+thread_count = numba.get_num_threads
+
+
+def jit(function: Function) -> Function:
+    """Compile a kernel of numbers and arrays for one thread."""
+    return cast(Function, numba.njit(cache=True, error_model="numpy", nogil=True)(function))
+
+
+def inline_jit(function: Function) -> Function:
+    """Compile a small kernel into each of its callers: passing arrays takes longer than some of them do."""
+    return cast(Function, numba.njit(cache=True, error_model="numpy", nogil=True, forceinline=True)(function))
+
+
+def parallel_jit(function: Function) -> Function:
+    """Compile a kernel whose ``prange`` loops run on all threads, each of which takes one run of iterations.
+
+    The result must not depend on how the iterations are shared out among the threads.
+    """
+    return cast(Function, numba.njit(cache=True, error_model="numpy", parallel=True)(function))
+
+
+def forget_stale_kernels(package: Path) -> None:
+    """Drop all cached kernels if the source of any kernel has changed since they were compiled.
+
+    Numba looks at the file of a function only. A kernel cached with an older version of another
+    module's function or constant within it would go on computing by that version.
+
+    Parameters
+    ----------
+    package : Path
+        Folder with the folders of kernels. Where it cannot be written there is no cache in it.
+    """
+    folders = [package / name for name in KERNEL_FOLDERS]
+    sources = sorted(file for folder in folders for file in folder.glob("*.py"))
+    fingerprint = hashlib.sha256(b"".join(file.read_bytes() for file in sources)).hexdigest()
+    stamp = package / "kernels" / "__pycache__" / "sources.sha256"
+    try:
+        if stamp.exists() and stamp.read_text(encoding="ascii") == fingerprint:
+            return
+        for folder in folders:
+            for cached in folder.glob("__pycache__/*.nb[ic]"):
+                cached.unlink(missing_ok=True)
+        stamp.parent.mkdir(exist_ok=True)
+        stamp.write_text(fingerprint, encoding="ascii")
+    except OSError:
+        pass
+
+
+forget_stale_kernels(Path(__file__).parents[1])

@@ -1,0 +1,313 @@
+"""Curved pieces in integers: where a line of sight meets spheres and cylinders, and in which order.
+
+In object space the line of sight of a sample is (O + t V) / s, with integers s > 0 and O, V affine in the
+sample's place; t is the depth in a parallel view and w under perspective, times ``Frame.unit``, and so grows
+away from the eye. A sphere or the side of a cylinder is met where a t^2 + 2 b t + c = 0, at
+t = (-b -+ sqrt(r)) / a with r = b^2 - a c: the minus sign where the line enters, and so sees the outside. A
+disc is met at one t.
+
+At (x + e, y + d) all these numbers are polynomials in d and e, here called germs. As d is smaller than every
+power of e, the sign of a germ is that of its term of least power of d and, among those, of e. Signs of
+u + v sqrt(r) follow by squaring. Where r is 0 the line touches the surface; where it is so in the limit, too,
+there is no hit, as the surface is seen edge-on. So the limit decides at outlines and rims without any case of
+its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import count
+from math import isqrt
+
+import numpy as np
+from flint import Ordering, fmpz_mpoly, fmpz_mpoly_ctx
+
+from hsr.base.arrays import Array
+from hsr.certify.frame import Frame, Matrix
+from hsr.problem.view import Placement
+from hsr.scene.shapes import Kind
+
+GERMS = fmpz_mpoly_ctx.get(("d", "e"), Ordering.lex)
+ZERO = GERMS.constant(0)
+
+
+def germ(function: Sequence[int] | Array, i: int, j: int) -> fmpz_mpoly:
+    """Return the affine function A i + B j + C (of whole numbers) to the right and down of a place."""
+    right, up, constant = function
+    return GERMS.from_dict({(0, 0): right * i + up * j + constant, (0, 1): right, (1, 0): -up})
+
+
+def sign(value: fmpz_mpoly) -> int:
+    """Return the sign of a germ: of its last term, in lexicographic order."""
+    if not value:
+        return 0
+    return 1 if value.coefficient(len(value) - 1) > 0 else -1
+
+
+def sign_with_root(u: fmpz_mpoly, v: fmpz_mpoly, r: fmpz_mpoly) -> int:
+    """Return the sign of u + v sqrt(r), r not negative."""
+    of_u, of_root = sign(u), sign(v) * sign(r)
+    if of_u * of_root >= 0:
+        return of_u or of_root
+    return of_u * sign(u * u - v * v * r)
+
+
+# ---------------------------------------------------------------- hits
+
+
+@dataclass(frozen=True, eq=False)
+class Root:
+    """The parameter t = (p + q sqrt(r)) / s of a hit, of germs; q is -1, 0 or 1, r >= 0 and s > 0."""
+
+    p: fmpz_mpoly
+    q: int
+    r: fmpz_mpoly
+    s: fmpz_mpoly
+
+    def sign_of(self, slope: fmpz_mpoly, offset: fmpz_mpoly) -> int:
+        """Return the sign of slope t + offset."""
+        return sign_with_root(slope * self.p + offset * self.s, slope * self.q, self.r)
+
+    def minus(self, other: Root) -> int:
+        """Return the sign of the difference of two parameters."""
+        # Times the denominators it is (u + v sqrt(r)) - w sqrt(other.r).
+        u = self.p * other.s - other.p * self.s
+        v, w = other.s * self.q, self.s * other.q
+        of_first, of_second = sign_with_root(u, v, self.r), sign(w) * sign(other.r)
+        if of_first * of_second <= 0:
+            return of_first or -of_second
+        squared = u * u + v * v * self.r - w * w * other.r
+        return of_first * sign_with_root(squared, 2 * u * v, self.r)
+
+
+def root_on_plane(plane: tuple[int, int, int, int], perspective: bool, i: int, j: int) -> Root:
+    """Return the parameter where a line of sight meets a plane (A, B, C, S), see ``Facet.plane``."""
+    function, scale = germ(plane[:3], i, j), GERMS.constant(plane[3])
+    p, s = (scale, -function) if perspective else (function, scale)
+    return Root(p, 0, ZERO, s)
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A line of sight in object space: the points (origin + t step) / scale.
+
+    Attributes
+    ----------
+    origin, step : list of 3 germs
+    scale : int
+        Positive.
+    depth_origin, depth_step : germ
+    depth_scale : int
+        The depth at t is (depth_origin + t depth_step) / depth_scale, times ``Frame.unit``.
+    """
+
+    origin: list[fmpz_mpoly]
+    step: list[fmpz_mpoly]
+    scale: int
+    depth_origin: fmpz_mpoly
+    depth_step: fmpz_mpoly
+    depth_scale: int
+
+    def quadratic(self, axes: slice) -> tuple[fmpz_mpoly, fmpz_mpoly, fmpz_mpoly]:
+        """Return a, b, c of the squared distance from the origin along some axes, less 1, times scale^2."""
+        o, v = self.origin[axes], self.step[axes]
+        return _dot(v, v), _dot(o, v), _dot(o, o) - self.scale**2
+
+    def between(self, limits: Sequence[int], t: Root) -> bool:
+        """Tell whether a point is between near and far, both closed; then it is in front of the eye."""
+        return all(
+            t.sign_of(way * self.depth_step, way * (self.depth_origin - limit * self.depth_scale)) >= 0
+            for way, limit in zip((1, -1), limits, strict=False)
+        )
+
+
+def _dot(a: Sequence[fmpz_mpoly], b: Sequence[fmpz_mpoly | int]) -> fmpz_mpoly:
+    return sum((x * y for x, y in zip(a, b, strict=True)), ZERO)
+
+
+# ---------------------------------------------------------------- surfaces
+
+Points = Iterator[tuple[Root, bool]]
+"""Where a line meets a surface, and whether from outside."""
+
+
+def _roots(a: fmpz_mpoly, b: fmpz_mpoly, c: fmpz_mpoly) -> Points:
+    """Solve a t^2 + 2 b t + c = 0; a is not negative, and zero only if b is."""
+    r = b * b - a * c
+    if sign(r) > 0:
+        yield Root(-b, -1, r, a), True
+        yield Root(-b, 1, r, a), False
+
+
+def _meet_sphere(line: Line) -> Points:
+    """Meet x^2 + y^2 + z^2 = 1."""
+    return _roots(*line.quadratic(slice(3)))
+
+
+def _meet_side(line: Line) -> Points:
+    """Meet x^2 + y^2 = 1 where 0 <= z <= 1."""
+    z, rise = line.origin[2], line.step[2]
+    for t, outside in _roots(*line.quadratic(slice(2))):
+        if t.sign_of(rise, z) >= 0 and t.sign_of(-rise, line.scale - z) >= 0:
+            yield t, outside
+
+
+def _meet_disc(line: Line, height: int) -> Points:
+    """Meet z = height where x^2 + y^2 <= 1."""
+    up = sign(line.step[2])
+    if up:
+        p, s = up * (height * line.scale - line.origin[2]), up * line.step[2]
+        x, y = (o * s + p * v for o, v in zip(line.origin[:2], line.step[:2], strict=True))
+        if sign(x * x + y * y - (line.scale * s) ** 2) <= 0:
+            yield Root(p, 0, ZERO, s), up == (-1 if height else 1)
+
+
+SURFACES: dict[Kind, tuple[Callable[[Line], Points], ...]] = {
+    Kind.SPHERE: (_meet_sphere,),
+    Kind.CYLINDER: (_meet_side, partial(_meet_disc, height=0), partial(_meet_disc, height=1)),
+}
+"""How each face of the curved shapes is met."""
+
+
+# ---------------------------------------------------------------- pieces
+
+
+def rounded(p: int, q: int, r: int, s: int) -> float:
+    """Return (p + q sqrt(r)) / s, s > 0, correctly rounded: bracket it until both ends round to one float."""
+    for bits in count(64, 64):
+        square = q * q * r << 2 * bits
+        low = isqrt(square)
+        high = low + (low * low < square)
+        ends = {((p << bits) + (root if q > 0 else -root)) / (s << bits) for root in (low, high)}
+        if len(ends) == 1:
+            break
+    return ends.pop()
+
+
+def _constant(value: fmpz_mpoly) -> int:
+    """Return what a germ is at the sample itself."""
+    return int(value[0, 0])
+
+
+@dataclass(frozen=True, eq=False)
+class Hit:
+    """A point of a face on a line of sight.
+
+    Attributes
+    ----------
+    face : int
+    t : Root
+    line : Line or None
+        In the frame of a curved piece; None for planar ones.
+    """
+
+    face: int
+    t: Root
+    line: Line | None = None
+
+    def depth(self, unit: int) -> float:
+        """Return the depth at the sample itself, correctly rounded; ``unit`` is that of the frame.
+
+        There the denominator does not vanish: a hit is near the bounded surface, and if the line ran along
+        the side or a disc, its hits in the limit would go to infinity or to the eye.
+        """
+        assert self.line is not None, "the depth on a planar piece is that of its facet"
+        t, line = self.t, self.line
+        p = _constant(line.depth_origin * t.s + line.depth_step * t.p)
+        q = _constant(line.depth_step) * t.q
+        return rounded(p, q, _constant(t.r), _constant(t.s) * line.depth_scale * unit)
+
+    def __lt__(self, other: Hit) -> bool:
+        """Tell whether this hit hides the other, or coincides with it and is of the lower face."""
+        order = self.t.minus(other.t)
+        return order < 0 or (order == 0 and self.face < other.face)
+
+
+@dataclass(frozen=True, eq=False)
+class CurvedPiece:
+    """A curved piece, and the lines of sight in its object's space.
+
+    Attributes
+    ----------
+    frame : Frame
+    face : int
+    cull : int
+        0 none, 1 back, 2 front.
+    meet : callable
+        Yields the points where a line meets the surface.
+    origin, step : (3, 3) object
+        Affine functions (A, B, C) of a sample's place; see :class:`Line`.
+    scale : int
+    matrix : Matrix
+        See :meth:`Frame.matrix`.
+    """
+
+    frame: Frame
+    face: int
+    cull: int
+    meet: Callable[[Line], Points]
+    origin: Array
+    step: Array
+    scale: int
+    matrix: Matrix
+
+    def line(self, i: int, j: int) -> Line:
+        """Return the line of sight of a place."""
+        origin, step = ([germ(row, i, j) for row in rows] for rows in (self.origin, self.step))
+        *row, constant = self.matrix[3]
+        depth = _dot(origin, row) + constant * self.scale, _dot(step, row)
+        return Line(origin, step, self.scale, *depth, self.scale * self.matrix[4][3])
+
+    def hits(self, i: int, j: int) -> Iterator[Hit]:
+        """Yield the hits in the limit that are visible but for other faces."""
+        line = self.line(i, j)
+        for t, outside in self.meet(line):
+            culled = self.cull == (2 if outside else 1)
+            if not culled and line.between(self.frame.limits, t):
+                yield Hit(self.face, t, line)
+
+
+def curved_piece(frame: Frame, placement: Placement, part: int) -> CurvedPiece:
+    """Set up one face of a sphere or cylinder.
+
+    Parameters
+    ----------
+    frame : Frame
+    placement : Placement
+        The object.
+    part : int
+        Index of the face within the object.
+    """
+    matrix = frame.matrix(placement)
+    origin, step, scale = (numbers[0] for numbers in sights_of(frame, np.array([matrix], object)))
+    meet = SURFACES[placement.shape.kind][part]
+    return CurvedPiece(frame, placement.first + part, placement.cull, meet, origin, step, scale, matrix)
+
+
+def sights_of(frame: Frame, matrix: Array) -> tuple[Array, Array, Array]:
+    """Carry the lines of sight into the spaces of objects of some matrices (n, 5, 4), see ``Frame.matrix``.
+
+    Returns
+    -------
+    origin, step : (n, 3, 3) object
+        Affine functions (A, B, C) of a sample's place; see :class:`Line`.
+    scale : (n,) object
+        Positive.
+    """
+    rows = matrix[:, [0, 1, 2 if frame.perspective else 3]]
+    x, y, z = np.moveaxis(rows[..., :3], 1, 0)
+    adjugate = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=2)
+    scale = (x * adjugate[..., 0]).sum(axis=1)
+    # The point p of the line has rows . (p, 1) = (i, j, 1) w or, in a parallel view, (i w, j w, depth); t is
+    # w or depth but for the object's own power of two.
+    fixed, none = -(adjugate @ rows[..., 3:])[..., 0], np.zeros((len(matrix), 3), object)
+    w, along = matrix[:, 2, 3:], adjugate * matrix[:, 4, 3:, None]
+    if frame.perspective:
+        origin, step = np.stack([none, none, fixed], axis=2), along
+    else:
+        origin = np.stack([w * adjugate[..., 0], w * adjugate[..., 1], fixed], axis=2)
+        step = np.stack([none, none, along[..., 2]], axis=2)
+    way = np.where(scale > 0, 1, -1).astype(object)
+    return way[:, None, None] * origin, way[:, None, None] * step, way * scale

@@ -1,0 +1,3 @@
+"""The command ``hsr``, one file a verb."""
+
+from hsr.cli.app import main as main

@@ -1,0 +1,5 @@
+"""``python -m hsr.cli``."""
+
+from hsr.cli import main
+
+main()

@@ -1,0 +1,203 @@
+"""What this machine has of what the methods need, and what to install."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+from hsr.algorithms.registry import render
+from hsr.base.errors import HsrError
+from hsr.problem.view import view
+from hsr.scene.model import Scene
+
+PACKAGES = (
+    "hsr-lab",
+    *("numpy", "numba", "scipy", "python-flint"),
+    *("moderngl", "glcontext", "trimesh", "matplotlib", "pydantic"),
+)
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
+
+PATIENCE = 300.0
+"""Seconds a backend may take: the first run on a machine compiles kernels."""
+
+INSTALL = "apt-get install -y --no-install-recommends"
+OSMESA_PACKAGE = "libosmesa6"
+EGL_PACKAGES = "libegl1 libgl1 libgl1-mesa-dri"
+
+SIZE = (64, 64)
+
+SCENE = {
+    "camera": [{"type": "perspective", "eye": [2.5, 2.0, 4.0]}],
+    "object": [
+        {"name": "cube", "shape": "cube", "transform": [{"rotate_y": 20.0}]},
+        {"name": "wall", "shape": "square", "transform": [{"scale": 1.5}, {"rotate_x": 15.0}]},
+    ],
+}
+"""A cube that a wall cuts through: some faces hide others, and two surfaces meet."""
+
+
+def diagnose() -> dict[str, Any]:
+    """Try every OpenGL backend and optional library.
+
+    Each backend is tried in a process of its own, because a broken driver may end it.
+
+    Returns
+    -------
+    dict
+        JSON values only. ``opengl`` has an entry a backend (see :func:`probe`), ``advice`` the
+        lines a person should read: what to install, empty if nothing is missing.
+    """
+    found = {
+        "hsr": 1,
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+        "packages": {name: _version(name) for name in PACKAGES},
+        "threads": _threads(),
+        "opengl": {backend: _probe_apart(backend) for backend in ("osmesa", "egl")},
+        "embree": _version("embreex"),
+        "browser": next(filter(None, map(shutil.which, BROWSERS)), None),
+    }
+    return found | {"advice": _advice(found)}
+
+
+def lines(found: dict[str, Any]) -> Iterator[str]:
+    """Yield what :func:`diagnose` found as lines for people."""
+    yield f"Python {found['python']}, {found['platform']}"
+    yield ", ".join(f"{name} {version or 'missing'}" for name, version in found["packages"].items())
+    threads = found["threads"]
+    yield f"threads: {threads['processors']} processors, numba {threads['numba']}"
+    for backend, state in found["opengl"].items():
+        yield f"OpenGL by {backend}: {_opengl_line(state)}"
+    yield f"Embree: {'embreex ' + found['embree'] if found['embree'] else 'missing'}"
+    yield f"browser for the tests of the report: {found['browser'] or 'missing'}"
+    for advice in found["advice"]:
+        yield f"to do: {advice}"
+
+
+def _opengl_line(state: dict[str, Any]) -> str:
+    if not state["draws"]:
+        return f"not usable: {state['problem']}"
+    return (
+        f"draws. {state['renderer']}, {state['version']}; corners to 1/{2 ** state['subpixel_bits']} pixel, "
+        f"depth of {state['depth_bits']} bits; {state['different']} of {state['samples']} samples "
+        "differ from zbuffer"
+    )
+
+
+# ---------------------------------------------------------------- OpenGL
+
+
+def probe(backend: str) -> dict[str, Any]:
+    """Open a backend in this process, have it draw the test picture, and compare it with zbuffer.
+
+    Parameters
+    ----------
+    backend : {"osmesa", "egl"}
+
+    Returns
+    -------
+    dict
+        ``draws``: whether it opened and drew the test picture right. If so, ``renderer``,
+        ``version``, ``subpixel_bits``, ``depth_bits``, ``max_side``, ``threads``, and how many of
+        ``samples`` are ``different`` from zbuffer's in a small scene; a few may be, along edges.
+        If not, ``problem``.
+    """
+    from hsr.gl.contexts import BACKENDS
+    from hsr.gl.depth import D24
+
+    try:
+        context = BACKENDS[backend]()
+        different, samples = _compared(backend)
+    except HsrError as error:
+        return {"draws": False, "problem": str(error)}
+    return {
+        "draws": True,
+        "renderer": context.renderer,
+        "version": context.version,
+        "subpixel_bits": context.subpixel_bits,
+        "depth_bits": D24.bits,
+        "max_side": context.max_side,
+        "threads": context.threads,
+        "different": different,
+        "samples": samples,
+    }
+
+
+def _compared(backend: str) -> tuple[int, int]:
+    """Count the samples that differ from zbuffer's, and all samples."""
+    seen = view(Scene.model_validate(SCENE), SIZE)
+    drawn = render(seen, "opengl", backend=backend)
+    ours = render(seen, "zbuffer")
+    return int((drawn.face != ours.face).sum()), drawn.face.size
+
+
+def _probe_apart(backend: str) -> dict[str, Any]:
+    command = [sys.executable, "-m", "hsr.cli.doctor", backend]
+    try:
+        run = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    except subprocess.TimeoutExpired:
+        return {"draws": False, "problem": f"no answer within {PATIENCE:g} seconds"}
+    try:
+        state: dict[str, Any] = json.loads(run.stdout)
+    except json.JSONDecodeError:
+        last = (run.stderr.strip().splitlines() or ["no message"])[-1]
+        return {"draws": False, "problem": f"trying it ended a process with code {run.returncode}: {last}"}
+    return state
+
+
+# ---------------------------------------------------------------- the rest
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
+
+
+def _threads() -> dict[str, Any]:
+    import numba
+
+    return {
+        "processors": os.cpu_count(),
+        "numba": numba.get_num_threads(),
+        "LP_NUM_THREADS": os.environ.get("LP_NUM_THREADS"),
+    }
+
+
+def _advice(found: dict[str, Any]) -> list[str]:
+    advice = []
+    if not any(state["draws"] for state in found["opengl"].values()):
+        advice.append(_opengl_advice())
+    if not found["embree"]:
+        advice.append("for Embree: pip install 'hsr-lab[embree]'")
+    if not found["browser"]:
+        advice.append(f"for the tests of the report: {INSTALL} chromium")
+    return advice
+
+
+def _opengl_advice() -> str:
+    driver = os.environ.get("GALLIUM_DRIVER")
+    if driver not in (None, "llvmpipe"):
+        return f"for OpenGL: unset GALLIUM_DRIVER, which asks for {driver}"
+    if not shutil.which("apt-get"):
+        return "for OpenGL: install OSMesa, or EGL with Mesa's llvmpipe, by this system's package manager"
+    return f"for OpenGL: {INSTALL} {OSMESA_PACKAGE if _apt_knows(OSMESA_PACKAGE) else EGL_PACKAGES}"
+
+
+def _apt_knows(package: str) -> bool:
+    """Whether apt can install a package; OSMesa left Mesa with version 25.1."""
+    found = subprocess.run(["apt-cache", "show", package], capture_output=True, check=False)
+    return found.returncode == 0
+
+
+if __name__ == "__main__":
+    print(json.dumps(probe(sys.argv[1])))

@@ -1,0 +1,60 @@
+"""What the commands have in common: options, exit codes, and how sizes and files are checked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from hsr.base.errors import HsrError
+
+ALL = "all"
+"""In place of the name of a method: every one there is."""
+
+DIFFERS, USAGE, MISSING = 1, 2, 3
+"""Exit codes: something differs, usage or input, a method asked for by name is missing."""
+
+Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes.")]
+Methods = Annotated[
+    list[str] | None, typer.Option("--method", "-a", help="Method, repeatable; 'hsr algos' lists them.")
+]
+
+
+class RunByDefault(TyperGroup):
+    """A group whose command ``run`` need not be named: ``hsr bench X`` is ``hsr bench run X``."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put ``run`` before arguments that begin with no command."""
+        named = args and (args[0] in self.commands or args[0] in ctx.help_option_names)
+        parsed: list[str] = super().parse_args(ctx, args if named else ["run", *args])
+        return parsed
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """Read an image size, WxH or N.
+
+    Raises
+    ------
+    typer.BadParameter
+        If it is written in another way.
+    """
+    width, _, height = text.lower().partition("x")
+    try:
+        return int(width), int(height or width)
+    except ValueError:
+        raise typer.BadParameter(f"--size {text!r}: write WIDTHxHEIGHT, such as 640x480") from None
+
+
+def check_folder(output: Path | None) -> None:
+    """Refuse a file that cannot be written before the work is done, not after.
+
+    Raises
+    ------
+    HsrError
+        If its folder is not there.
+    """
+    if output is not None and not output.parent.is_dir():
+        raise HsrError(f"{output}: there is no folder {output.parent}; make it first")

@@ -1,0 +1,107 @@
+"""The command ``hsr stability``: hard cases, theory beside measurement."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from hsr.base.errors import HsrError
+from hsr.base.files import make_folder
+from hsr.cli.console import new_table, out, print_json, progress, say
+from hsr.cli.options import DIFFERS, Json, Quiet, RunByDefault
+
+if TYPE_CHECKING:
+    from hsr.lab.stability.judge import Result
+
+
+stability_app = typer.Typer(
+    cls=RunByDefault,
+    help="Run hard cases: where theory says methods break, and where they do. 'run' need not be named.",
+)
+
+
+@stability_app.command()
+def run(
+    family: Annotated[list[str] | None, typer.Argument(help="Families; all by default.")] = None,
+    method: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--method", "-a", help="Method or variant, repeatable; those of each family by default."
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Folder for a page, charts and figures.")
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Small pictures, short sweeps: a minute.")] = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Judge methods on families of hard cases; exit 1 if any row contradicts its theory."""
+    from hsr.lab.stability.family import families, family_named
+    from hsr.lab.stability.judge import contradictions, judge
+
+    chosen = [family_named(name) for name in dict.fromkeys(family or families())]
+    asked = {this.name: [name for name in method or () if this.knows(name)] for this in chosen}
+    for name in method or ():
+        if not any(name in names for names in asked.values()):
+            raise HsrError(f"no method or variant is named {name!r}; 'hsr algos' lists the methods")
+    if output is not None:
+        make_folder(output)
+    judged = [this for this in chosen if asked[this.name] or not method]
+    with progress(quiet, sum(len(this.values(quick)) for this in judged)) as step:
+        results = [judge(this, quick, asked[this.name], step) for this in judged]
+    if output is not None:
+        from hsr.pages.stability import write_folder
+
+        write_folder(results, output)
+    if as_json:
+        print_json({"hsr": 1, "families": [result.to_json() for result in results]})
+    else:
+        _print_matrix(results)
+        if output is not None:
+            say(f"report: {output / 'index.html'}")
+    if any(contradictions(results)):
+        raise typer.Exit(DIFFERS)
+
+
+def _print_matrix(results: list[Result]) -> None:
+    from hsr.lab.stability.summary import HEADINGS, cells, headline, matrix
+
+    table = new_table(*HEADINGS, right=("wrong", "unexplained of traced", "predicted", "measured"))
+    for result in results:
+        table.add_row(result.family.name)
+        for row in result.rows:
+            variant, *others = cells(row)
+            table.add_row(f"  {variant}", *others)
+    out.print(table)
+    skipped = {name: reason for result in results for name, reason in result.skipped.items()}
+    for name, reason in skipped.items():
+        say(f"{name}: {reason}")
+    say(headline(matrix(results)["families"]))
+
+
+@stability_app.command()
+def scene(
+    family: Annotated[str, typer.Argument(help="Family.")],
+    at: Annotated[float, typer.Option("--at", help="Value of its parameter.")],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Scene to write, .toml; standard output by default.")
+    ] = None,
+    side: Annotated[
+        int, typer.Option("--side", min=8, max=1024, help="Side of the picture, in samples.")
+    ] = 64,
+) -> None:
+    """Write the scene of a family at a value of its parameter, for every other command."""
+    from hsr.lab.stability.family import family_named
+    from hsr.scene.writing import to_toml, write_scene
+
+    chosen = family_named(family)
+    found = chosen.scene_at(at, side)
+    if output is None:
+        print(to_toml(found), end="")
+        return
+    write_scene(found, output)
+    width, height = chosen.size(at, side)
+    say(f"wrote {output}; render it with --size {width}x{height}")

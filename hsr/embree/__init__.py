@@ -1,0 +1,1 @@
+"""Embree's library, and the packets of rays that go through it."""

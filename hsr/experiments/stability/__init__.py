@@ -1,8 +1,0 @@
-"""Where the methods break: families of numerically hard cases, theory beside measurement.
-
-A family (:mod:`hsr.experiments.stability.family`) makes scenes that grow harder with one parameter, and
-says of variants of the methods at which value of it they first show a wrong face, and why. The judge
-(:mod:`hsr.experiments.stability.judge`) runs them, lets exact arithmetic decide every sample, and compares
-where they broke with where they should have. Each module in :mod:`hsr.experiments.stability.cases` is a
-family.
-"""

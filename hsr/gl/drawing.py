@@ -1,0 +1,211 @@
+"""A view uploaded to OpenGL: drawn as often as one likes, read back as face ids and depths.
+
+The triangles are drawn in order of their faces, with float32 vertices and matrix, one sample a
+pixel, into two attachments: R32I for the number of the triangle + 1, cleared to 0, and a depth
+buffer (:mod:`hsr.gl.depth`), cleared to far and compared by ``GL_LESS``, reversed by
+``GL_GREATER``, so that of two equal stored depths the lower face wins. Who owns a sample on an edge
+is the driver's rule: OpenGL only promises one owner for an edge two triangles share.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import moderngl
+import numpy as np
+
+from hsr.base.arrays import Array, Floats, Ints
+from hsr.base.errors import MethodError
+from hsr.gl.depth import D24, DepthBuffer, clip_range, depth_texture
+from hsr.problem.map import BACKGROUND
+from hsr.problem.view import CULL, View
+
+if TYPE_CHECKING:
+    from hsr.gl.contexts import Context
+
+VERTEX_SHADER = """
+#version 330
+uniform mat4 clip_from_world;
+in vec3 vertex;
+void main() { gl_Position = clip_from_world * vec4(vertex, 1.0); }
+"""
+
+FRAGMENT_SHADER = """
+#version 330
+uniform int first;
+out int triangle;
+void main() { triangle = first + gl_PrimitiveID + 1; }
+"""
+
+
+class Drawing:
+    """One view in the memory of OpenGL.
+
+    A triangle is numbered by ``gl_PrimitiveID`` and named after its face when read, so that vertices
+    stay shared and a mesh costs what it costs any OpenGL program.
+
+    Parameters
+    ----------
+    context : Context
+    view : View
+        Curved shapes are tessellated.
+    buffer : DepthBuffer
+
+    Raises
+    ------
+    MethodError
+        If the image is larger than the driver draws, or a coordinate is beyond float32.
+    UnavailableError
+        If the buffer needs more than the driver's OpenGL.
+    """
+
+    def __init__(self, context: Context, view: View, buffer: DepthBuffer = D24) -> None:
+        _check_size(view, context.max_side)
+        polygons = view.tessellated().polygons
+        vertices = _as_float32(polygons.vertices)
+        matrix = _as_float32(buffer.clip_from_world(view))
+        self.view = view
+        self._buffer = buffer
+        self.vertices = len(vertices)
+        self.triangles = len(polygons.triangle_vertex)
+        self._face_of = np.append(np.int32(BACKGROUND), polygons.triangle_face)
+        self._runs = _runs(polygons.cull[polygons.triangle_polygon])
+        self._matrix = tuple(matrix.T.ravel())  # OpenGL's matrices are column after column
+        self._context = context
+        with context.gl as gl:
+            self._upload(gl, vertices, polygons.triangle_vertex)
+
+    def _upload(self, gl: moderngl.Context, vertices: Array, corner: Ints) -> None:
+        size = (self.view.width, self.view.height)
+        vertex_buffer = gl.buffer(vertices)
+        corner_buffer = gl.buffer(np.ascontiguousarray(corner))
+        self._array = gl.vertex_array(
+            self._context.program, [(vertex_buffer, "3f", "vertex")], index_buffer=corner_buffer
+        )
+        triangle = gl.texture(size, components=1, dtype="i4")
+        depth = depth_texture(self._context, size, self._buffer)
+        self._parts = (vertex_buffer, corner_buffer, self._array, triangle, depth)
+        try:
+            self._frame = gl.framebuffer([triangle], depth)
+        except moderngl.Error as error:
+            _release(self._parts)
+            raise MethodError(
+                f"opengl: the driver has no room for {size[0]}x{size[1]} samples; choose a smaller size"
+            ) from error
+
+    def draw(self) -> None:
+        """Clear, draw every triangle, and wait until all is drawn."""
+        with self._context.gl as gl, clip_range(self._context, self._buffer):
+            self._frame.use()
+            # Of an integer attachment moderngl sets the bits of 0.0, which are 0.
+            self._frame.clear(depth=self._buffer.cleared_to)
+            self._context.program["clip_from_world"] = self._matrix
+            gl.depth_func = ">" if self._buffer.reversed else "<"
+            for cull, first, count in self._runs:
+                _set_culling(gl, cull)
+                self._context.program["first"] = first
+                self._array.render(vertices=3 * count, first=3 * first)
+            gl.finish()
+
+    def read(self) -> tuple[Ints, Floats]:
+        """Return what was drawn.
+
+        OpenGL's row 0 is the bottom row; the rows are turned over here, and only here.
+
+        Returns
+        -------
+        face : (H, W) int32
+            -1 where nothing was drawn.
+        depth : (H, W) float64
+            Along the view axis, ``+inf`` where nothing was drawn.
+        """
+        shape = (self.view.height, self.view.width)
+        bits, kind = self._buffer.bits, "u4" if self._buffer.bits else "f4"
+        triangle, stored = np.empty(shape, np.int32), np.empty(shape, kind)
+        with self._context.gl:
+            self._frame.read_into(triangle, components=1, attachment=0, dtype="i4")
+            self._frame.read_into(stored, components=1, attachment=-1, dtype=kind)
+        face = self._face_of[triangle[::-1]]
+        drawn = face != BACKGROUND
+        depth = np.full(shape, np.inf)
+        window = stored[::-1][drawn]
+        if bits:  # OpenGL returns the stored integers as 32 bits, their upper bits repeated below
+            window = (window >> (32 - bits)) * self._buffer.step
+        depth[drawn] = depth_of_window(self.view, window.astype(np.float64), self._buffer.reversed)
+        return face, depth
+
+    def release(self) -> None:
+        """Give the memory back to OpenGL."""
+        with self._context.gl as gl:
+            gl.screen.use()  # a deleted frame must not stay bound
+            _release((self._frame, *self._parts))
+
+    def __enter__(self) -> Drawing:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.release()
+
+
+def depth_of_window(view: View, window: Floats, reversed: bool = False) -> Floats:
+    """Carry stored depths back to depths along the view axis.
+
+    OpenGL stores z / w, moved from [-1, 1] to [0, 1]: affine in 1 / depth under perspective,
+    affine in depth for a parallel view (Foley, van Dam et al., *Computer Graphics: Principles and
+    Practice*, the canonical view volumes).
+
+    Parameters
+    ----------
+    view : View
+        Its far may be infinite.
+    window : float64 array
+        0 at near, 1 at far; below 1 if far is infinite.
+    reversed : bool
+        Whether it is 1 at near and 0 at far.
+
+    Returns
+    -------
+    float64 array of the same shape
+    """
+    at_0, at_1 = (view.far, view.near) if reversed else (view.near, view.far)
+    if view.perspective:
+        return 1.0 / ((1.0 - window) / at_0 + window / at_1)
+    return (1.0 - window) * at_0 + window * at_1
+
+
+def _check_size(view: View, max_side: int) -> None:
+    if max(view.width, view.height) > max_side:
+        raise MethodError(
+            f"opengl: this driver draws at most {max_side} samples a side, "
+            f"not {view.width}x{view.height}; choose a smaller size"
+        )
+
+
+def _as_float32(numbers: Floats) -> Array:
+    with np.errstate(over="ignore"):
+        rounded = numbers.astype(np.float32)
+    if not np.isfinite(rounded).all():
+        raise MethodError("opengl: the scene has coordinates beyond float32 (3.4e38); scale it down")
+    return rounded
+
+
+def _release(parts: Iterable[Any]) -> None:
+    for part in parts:
+        part.release()
+
+
+def _runs(cull: Array) -> list[tuple[int, int, int]]:
+    """Cut the triangles where culling changes: what to cull, first triangle, number of triangles."""
+    starts = np.append(0, np.flatnonzero(np.diff(cull)) + 1)
+    counts = np.diff(np.append(starts, len(cull)))
+    return [(int(cull[k]), int(k), int(count)) for k, count in zip(starts, counts, strict=True)]
+
+
+def _set_culling(gl: moderngl.Context, cull: int) -> None:
+    """Cull the back or the front: a front runs counter-clockwise, as OpenGL and the view both have it."""
+    if cull == CULL["none"]:
+        gl.enable_only(moderngl.DEPTH_TEST)
+        return
+    gl.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+    gl.cull_face = "back" if cull == CULL["back"] else "front"

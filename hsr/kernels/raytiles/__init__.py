@@ -1,0 +1,1 @@
+"""Coherent tiles of rays, certified."""

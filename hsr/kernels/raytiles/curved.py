@@ -1,0 +1,291 @@
+"""Spheres and cylinders as the rays of a picture meet them, with proven error bounds.
+
+Nearness, scaled like key depth, is called v here: z = Z0 - v. Along a ray a sphere or the side of a cylinder
+is met where
+
+    K v^2 + 2 L v + M = 0        v = (-L + S) / K where the ray enters, (-L - S) / K where it leaves,
+
+S = sqrt(R), R = L^2 - K M. K is constant, L affine, M and R are quadratic on the screen: the quadric, in the
+frame of the screen, is a quadric again (J. Blinn, "How many ways can you draw a circle?", IEEE Computer
+Graphics and Applications 7(8), 1987, draws all of them so). Their coefficients are taken from exact
+integers and rounded once (:mod:`hsr.algorithms.prepare.quadrics`), R among them, so that the difference it is
+does not cancel. A cylinder ends where P v + Q = 0 for the planes of base and cap, P constant and Q affine;
+between them P v + Q > 0.
+
+A hit has a margin: 1 or more if it is certain that it counts, -1 or less if it is certain that it does not.
+U is the relative error of one rounding; bounds are rounded up generously.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hsr.base.arrays import Array, Floats
+from hsr.base.jit import jit
+from hsr.kernels.zbuffer.halfspaces import (
+    ANYWHERE,
+    BACK,
+    CULL_BACK,
+    CULL_FRONT,
+    LANES,
+    Eye,
+    U,
+    key_depth,
+    nearness_error,
+)
+from hsr.kernels.zbuffer.key_buffer import TRIANGLES, Box, Window, is_farther, key_of, write
+
+CYLINDER = 4
+"""The kind of a cylinder."""
+
+
+QUADRIC = np.dtype(
+    [
+        ("kind", np.int64),
+        ("cull", np.int64),
+        ("piece", np.int64),
+        ("left", np.int64),
+        ("right", np.int64),
+        ("top", np.int64),
+        ("bottom", np.int64),
+        ("k", np.float64),
+        ("l", np.float64, 3),
+        ("m", np.float64, 6),
+        ("r", np.float64, 6),
+        ("size_l", np.float64),
+        ("size_m", np.float64),
+        ("size_r", np.float64),
+        ("p", np.float64, 2),
+        ("q", np.float64, (2, 3)),
+        ("shown", np.int8, 2),
+    ]
+)
+"""A sphere or cylinder.
+
+piece : number of its first piece.
+left, right, top, bottom : the first column and row that it may cover, and those after the last.
+k, l, m, r : coefficients of K, L (of 1, x, y), M and R (of 1, x, y, x^2, x y, y^2), x columns and y rows from
+    the first; those of K and L, of M, and of R are divided by a common number, by it, and by its square.
+size_l, size_m, size_r : bounds of the sums of the magnitudes of the terms of L, M and R.
+p, q : P and Q (of 1, x, y) of base and cap; the terms of each add up to at most 1 in magnitude.
+shown : 1 if base and cap are neither culled nor seen edge-on.
+"""
+
+FEW = 8.0 * U
+"""Bound of the error of an affine or quadratic function, relative to the sum of the magnitudes of its terms:
+a rounding of each coefficient, and at most five in the evaluation of each term."""
+
+
+class Hit(NamedTuple):
+    """A point of a surface on a ray: v, a bound of its error, and the margin by which it counts."""
+
+    v: float
+    error: float
+    margin: float
+
+
+MISS = Hit(0.0, 0.0, -1.0)
+
+Hits = tuple[Hit, Hit, Hit, Hit]
+"""Where a ray enters and leaves a sphere or the side of a cylinder, and where it meets base and cap."""
+
+
+@jit
+def affine(c: Floats, x: float, y: float) -> float:
+    """Return ``c . (1, x, y)``."""
+    return float(c[0] + c[1] * x + c[2] * y)
+
+
+@jit
+def quadratic(c: Floats, x: float, y: float) -> float:
+    """Return ``c . (1, x, y, x^2, x y, y^2)``."""
+    return float(c[0] + (c[1] + c[3] * x + c[4] * y) * x + (c[2] + c[5] * y) * y)
+
+
+@jit
+def quotient(a: float, a_error: float, b: float, b_error: float) -> tuple[float, float]:
+    """Divide, and bound the error.
+
+    (a + da) / (b + db) is off by (|da| + |a / b| |db|) / |b|, at most twice that if |db| is at most half of
+    |b|, and by anything beyond: more than any v that counts.
+    """
+    if b == 0.0 or b_error > 0.5 * abs(b):
+        return 0.0, ANYWHERE
+    value = a / b
+    return value, 2.0 * (a_error + abs(value) * b_error) / abs(b) + 2.0 * U * abs(value)
+
+
+# ---------------------------------------------------------------- hits
+
+
+@jit
+def meet_quadric(thing: Any, x: float, y: float) -> tuple[Hit, Hit]:
+    """Return where a ray enters and leaves a sphere, or the side of an endless cylinder.
+
+    If R is not above 0 it meets nothing: a tangent sees the surface edge-on. If K is 0, the eye is on the
+    surface, and one of the two hits is the eye itself, which sees nothing there.
+    """
+    r, r_error = quadratic(thing["r"], x, y), FEW * thing["size_r"]
+    if r <= -r_error:
+        return MISS, MISS
+    # Two roots of numbers e apart differ by e over their sum, and by at most sqrt(e).
+    s = np.sqrt(max(r, 0.0))
+    s_error = 2.0 * r_error / max(s, np.sqrt(r_error)) + 2.0 * U * s
+    margin = r / r_error
+
+    # Add S and L so that they do not cancel; divide that by K, and M by that.
+    k, l = thing["k"], affine(thing["l"], x, y)  # noqa: E741
+    q = s - l if l <= 0.0 else -s - l
+    q_error = s_error + FEW * thing["size_l"] + U * abs(q)
+    over_k = Hit(*quotient(q, q_error, k, U * abs(k)), margin) if k != 0.0 else MISS
+    m, m_error = quadratic(thing["m"], x, y), FEW * thing["size_m"]
+    under_m = Hit(*quotient(m, m_error, q, q_error), margin)
+    return (over_k, under_m) if l <= 0.0 else (under_m, over_k)
+
+
+@jit
+def between_ends(hit: Hit, thing: Any, x: float, y: float) -> Hit:
+    """Return a hit of the side of an endless cylinder as one of the side between base and cap, closed."""
+    v, v_error, margin = hit
+    if margin <= -1.0:
+        return hit
+    for end in range(2):
+        p, q = thing["p"][end], affine(thing["q"][end], x, y)
+        margin = min(margin, (p * v + q) / (abs(p) * v_error + FEW * (abs(p * v) + 1.0)))
+    return Hit(v, v_error, margin)
+
+
+@jit
+def meet_end(end: int, thing: Any, x: float, y: float) -> Hit:
+    """Return where a ray meets base (0) or cap (1): in their plane, not outside the endless cylinder."""
+    k, p = thing["k"], thing["p"][end]
+    v, v_error = quotient(-affine(thing["q"][end], x, y), FEW, p, U * abs(p))
+    outside = (k * v + 2.0 * affine(thing["l"], x, y)) * v + quadratic(thing["m"], x, y)
+    size = abs(k * v) * abs(v) + 2.0 * thing["size_l"] * abs(v) + thing["size_m"]
+    slope = 2.0 * (abs(k * v) + thing["size_l"]) + abs(k) * v_error
+    return Hit(v, v_error, -outside / (slope * v_error + FEW * size))
+
+
+@jit
+def hits_of(thing: Any, x: float, y: float) -> Hits:
+    """Return the hits of a ray, those on culled sides and on ends seen edge-on left out."""
+    enter, leave = meet_quadric(thing, x, y)
+    base, cap = MISS, MISS
+    if thing["kind"] == CYLINDER:
+        enter, leave = between_ends(enter, thing, x, y), between_ends(leave, thing, x, y)
+        base = meet_end(0, thing, x, y) if thing["shown"][0] else MISS
+        cap = meet_end(1, thing, x, y) if thing["shown"][1] else MISS
+    cull = thing["cull"]
+    return enter if cull != CULL_FRONT else MISS, leave if cull != CULL_BACK else MISS, base, cap
+
+
+@jit
+def piece_of(thing: Any, k: int) -> int:
+    """Return the piece that hit k of a ray is on: of a cylinder, side, base and cap follow each other."""
+    return int(thing["piece"] + max(k - 1, 0))
+
+
+@jit
+def key_hit(hit: Hit, eye: Eye) -> Hit:
+    """Return a hit with its key depth in place of v, and the margin by which it lies between near and far.
+
+    Nearness counts depth for w, see :func:`hsr.kernels.zbuffer.halfspaces.nearness_error`; front and v are
+    rounded when the one is taken from the other.
+    """
+    at_eye = key_depth(0.0, eye)
+    z, slack = at_eye - hit.v, nearness_error(abs(hit.v) / eye.scale, eye) * eye.scale
+    error = hit.error + slack + 8.0 * U * (abs(at_eye) + abs(hit.v))
+    # What is less certain than a tie may be a hit, but not a certain one.
+    margin = min(hit.margin, 0.5) if error > eye.tie else hit.margin
+    error = max(error, eye.tie)
+    return Hit(z, error, min(margin, min((z - eye.near) / error, (eye.far - z) / error)))
+
+
+# ---------------------------------------------------------------- casting
+
+
+@jit
+def cast_into_quadric(
+    thing: Any, keys: Array, window: Window, eye: Eye, doubts: Array | None, counts: Array
+) -> None:
+    """Meet a sphere or cylinder, a ``QUADRIC``, with every ray of a window that it may cover.
+
+    Parameters
+    ----------
+    thing : QUADRIC
+    keys : (lines, columns + LANES) int64
+    window : Window
+    eye : Eye
+    doubts : (room,) DOUBT or None
+        None leaves doubts alone: what is undecided goes to the side it seems to be on.
+    counts : (COUNTS,) int64
+    """
+    counts[TRIANGLES] += 1
+    doubtful = fill(thing, keys, window, eye, None if doubts is None else True)
+    if doubts is not None and doubtful:
+        note(thing, keys, window, eye, doubts, counts)
+
+
+@jit
+def box_of(thing: Any, keys: Array, window: Window) -> Box:
+    """Return the samples of the image that are in a window and may be covered."""
+    end_line, end_column = window.line + len(keys), window.column + keys.shape[1] - LANES
+    return (
+        max(thing["top"], window.line),
+        min(thing["bottom"], end_line),
+        max(thing["left"], window.column),
+        min(thing["right"], end_column),
+    )
+
+
+@jit
+def fill(thing: Any, keys: Array, window: Window, eye: Eye, certify: bool | None) -> bool:
+    """Take into the keys the hits that are certain, and certainly nearer; return whether there are doubts.
+
+    Without certification, a hit counts if it seems to.
+    """
+    least_margin, gap = (0.0, 0) if certify is None else (1.0, window.gap)
+    doubtful = False
+    first_line, end_line, first, end = box_of(thing, keys, window)
+    for line in range(first_line, end_line):
+        here = keys[line - window.line]
+        for column in range(first, end):
+            hits = hits_of(thing, float(column - thing["left"]), float(line - thing["top"]))
+            for k in range(4):
+                if hits[k].margin <= -1.0:
+                    continue
+                z, _, margin = key_hit(hits[k], eye)
+                if margin >= least_margin:
+                    key, old = key_of(z, window.mask, piece_of(thing, k)), here[column - window.column]
+                    if old - key > gap:
+                        here[column - window.column] = key
+                    else:
+                        doubtful |= key != old and old - key >= -gap
+                else:
+                    doubtful |= not margin <= -1.0
+    return doubtful
+
+
+@jit
+def note(thing: Any, keys: Array, window: Window, eye: Eye, doubts: Array, counts: Array) -> None:
+    """Write down the doubts of a sphere or cylinder that has just been taken into the keys."""
+    first_line, end_line, first, end = box_of(thing, keys, window)
+    for line in range(first_line, end_line):
+        for column in range(first, end):
+            hits = hits_of(thing, float(column - thing["left"]), float(line - thing["top"]))
+            sample, old = line * window.width + column, keys[line - window.line, column - window.column]
+            for k in range(4):
+                if hits[k].margin <= -1.0:
+                    continue
+                z, error, margin = key_hit(hits[k], eye)
+                if margin >= 1.0:
+                    key = key_of(z, window.mask, piece_of(thing, k))
+                    if key != old and abs(old - key) <= window.gap:
+                        write(doubts, counts, sample, key, True)
+                elif not margin <= -1.0:
+                    nearest = min(max(z - error, 1.0), BACK)
+                    key = key_of(nearest, window.mask, piece_of(thing, k))
+                    if not is_farther(key, old, window.gap):
+                        write(doubts, counts, sample, key, False)

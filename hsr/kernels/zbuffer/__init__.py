@@ -1,0 +1,1 @@
+"""The certified depth buffer: half-space tests on tiles."""

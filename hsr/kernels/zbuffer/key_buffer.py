@@ -1,0 +1,377 @@
+"""Depth buffers of keys, and what they leave in doubt.
+
+Depth and owner of a sample share one integer of 63 bits, the *key*: depth in the upper bits, the number of
+the triangle in the lower ones. The nearest triangle has the least key, and one minimum does the depth test
+and both writes. Sixteen samples of a scan line are tested at once.
+
+What float64 cannot decide is not decided here. Only certain coverage enters the keys. A sample on an edge,
+within the error of the edge functions, or two depths within their error, is a *doubt*: every triangle that
+might own the sample is written down, unless something certain is certainly nearer. So at a sample without
+doubts the key is right, and at one with doubts the owner is among what was written down. The order in which
+triangles come leaves no trace.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from hsr.base.arrays import Array, Floats
+from hsr.base.jit import inline_jit, jit
+from hsr.kernels.zbuffer.halfspaces import (
+    ACROSS0,
+    ACROSS1,
+    ACROSS2,
+    AREA,
+    BELOW0,
+    BELOW1,
+    BELOW2,
+    BOTTOM,
+    BOUND,
+    E0,
+    E1,
+    E2,
+    FRONT,
+    LANES,
+    LEFT,
+    NEAREST,
+    NUMBER,
+    RIGHT,
+    TOP,
+    Z_ERROR,
+    Z_X,
+    Z_Y,
+    Eye,
+    Z,
+)
+
+EMPTY = np.int64(2**63 - 1)
+"""The key of a sample that no triangle owns."""
+
+SHIFT = np.int64(11)
+"""By how much the 52 bits after the binary point of a key depth are shifted, to be the upper ones of 63."""
+
+ONE = np.float64(1.0).view(np.int64)
+"""Sign and exponent of every key depth."""
+
+WIDE = 3 * LANES
+"""From this width on, the samples of a scan line that a triangle can cover are worked out first."""
+
+DOUBT = np.dtype([("sample", np.int64), ("key", np.int64), ("sure", np.bool_)])
+"""A triangle that may own a sample, by its key; whether it certainly covers it."""
+
+USED, TRIANGLES = 0, 1
+"""Columns of the counts: doubts written down, whether or not there was room; triangles drawn."""
+
+Row = tuple[float, float, float, float, float, float, float, float]
+"""A triangle on a scan line: three edge functions and the key depth at the first sample of its bounding box,
+each with its growth from sample to sample."""
+
+Box = tuple[int, int, int, int]
+"""First and end line, first and end column of some samples of a window."""
+
+Limits = tuple[float, float, float]
+"""Key depths of near and far, and what makes their errors those of an edge function."""
+
+
+class Window(NamedTuple):
+    """A part of the image, and how its keys are made.
+
+    Its keys are (lines, columns + LANES) int64; those beyond the last column are not used.
+
+    Attributes
+    ----------
+    line, column : int
+        Its first in the image.
+    width : int
+        Columns of the image.
+    mask : int
+        The bits of a key that are depth.
+    gap : int
+        By how much keys differ at most whose depths may be equal.
+    """
+
+    line: int
+    column: int
+    width: int
+    mask: int
+    gap: int
+
+
+# ---------------------------------------------------------------- keys
+
+
+@jit
+def depth_mask(triangles: int) -> int:
+    """Return the bits of a key that are depth; the others tell so many triangles apart."""
+    bits = SHIFT
+    while triangles >> bits > 0:
+        bits += 1
+    return int((EMPTY >> np.int64(bits)) << np.int64(bits))
+
+
+@jit
+def key_of(z: float, mask: int, number: int) -> int:
+    """Return the key of a triangle at a key depth within [1, 2)."""
+    return int(((np.float64(z).view(np.int64) << SHIFT) & mask) | number)
+
+
+@jit
+def depth_of(key: int) -> float:
+    """Return the key depth of a key."""
+    return np.int64((key >> SHIFT) | ONE).view(np.float64)
+
+
+@jit
+def gap_of(mask: int, tie: float) -> int:
+    """Return by how much keys differ at most whose depths, each within ``tie``, may be equal."""
+    return int(tie * 2.0**64) + 2 * int(EMPTY - mask) + 2
+
+
+@jit
+def depth_gap(gap: int) -> float:
+    """Return by how much key depths differ at least if their keys, cut off, differ by more than ``gap``."""
+    return gap * 2.0**-63
+
+
+# ---------------------------------------------------------------- drawing
+
+
+@jit
+def is_certain(table: Floats, i: int, eye: Eye) -> bool:
+    """Whether it is certain which way a triangle of a table is turned, and how deep it is."""
+    return bool(table[AREA + i] > table[BOUND + i] and table[Z_ERROR + i] <= eye.tie)
+
+
+@jit
+def limits_of(table: Floats, i: int, eye: Eye) -> Limits:
+    """Return the limits of a triangle's depth."""
+    return eye.near, eye.far, table[BOUND + i] / eye.tie
+
+
+@inline_jit
+def fill(
+    table: Floats, i: int, keys: Array, window: Window, limits: Limits | None, certify: bool | None
+) -> bool:
+    """Take a triangle into the keys of a window: where it is certainly inside, and certainly nearer.
+
+    Parameters
+    ----------
+    table : (TABLE,) float64
+    i : int
+        Its place in the table.
+    keys : (lines, columns + LANES) int64
+    window : Window
+    limits : Limits or None
+        Of its depth, if it may be cut.
+    certify : bool or None
+        None leaves doubts alone: what is undecided goes to the side it seems to be on.
+
+    Returns
+    -------
+    bool
+        Whether it has doubts, see :func:`note`.
+    """
+    left, top = int(table[LEFT + i]), int(table[TOP + i])
+    begin, end = columns_of(table, i, keys, window)
+    bound = 0.0 if certify is None else table[BOUND + i]
+    mask, gap, number = (
+        window.mask,
+        np.int64(0) if certify is None else window.gap,
+        int(table[NUMBER + i]),
+    )
+    doubtful = False
+    for line in range(max(top, window.line), min(int(table[BOTTOM + i]), window.line + len(keys))):
+        row = row_of(table, i, float(line - top))
+        here = keys[line - window.line]
+        first, last = begin, end
+        if end - begin > WIDE:
+            first, last = span_of(row, bound, left, begin, end)
+        for start in range(first, last, LANES):
+            here_doubtful = False
+            for lane in range(LANES):
+                inner, z = at(row, float(start - left + lane), limits)
+                key = key_of(z, mask, number)
+                place = np.uintp(start - window.column + lane)
+                old = here[place]
+                inside, nearer_by = inner >= bound, old - key
+                here[place] = key if inside & (nearer_by > gap) else old
+                if certify is not None:
+                    here_doubtful |= (abs(inner) < bound) | (inside & (abs(nearer_by) <= gap))
+            doubtful |= here_doubtful
+    return doubtful
+
+
+@jit
+def columns_of(table: Floats, i: int, keys: Array, window: Window) -> tuple[int, int]:
+    """Return the first column of a window that a triangle may cover, and the one after the last."""
+    end = window.column + keys.shape[1] - LANES
+    return max(int(table[LEFT + i]), window.column), min(int(table[RIGHT + i]), end)
+
+
+@jit
+def row_of(table: Floats, i: int, down: float) -> Row:
+    """Return a triangle on the scan line that is ``down`` below the first of its bounding box."""
+    return (
+        table[E0 + i] + down * table[BELOW0 + i],
+        table[ACROSS0 + i],
+        table[E1 + i] + down * table[BELOW1 + i],
+        table[ACROSS1 + i],
+        table[E2 + i] + down * table[BELOW2 + i],
+        table[ACROSS2 + i],
+        table[Z + i] + down * table[Z_Y + i],
+        table[Z_X + i],
+    )
+
+
+@jit
+def at(row: Row, right: float, limits: Limits | None) -> tuple[float, float]:
+    """Return the least of what must be positive inside, and the key depth."""
+    inner = min(min(row[0] + right * row[1], row[2] + right * row[3]), row[4] + right * row[5])
+    z = row[6] + right * row[7]
+    if limits is not None:
+        inner = min(inner, min((z - limits[0]) * limits[2], (limits[1] - z) * limits[2]))
+    return inner, z
+
+
+@jit
+def span_of(row: Row, bound: float, left: int, begin: int, end: int) -> tuple[int, int]:
+    """Return the columns from begin to end at which no edge function is below ``-bound``.
+
+    An edge function ``e + right * across`` is, on one side of ``-(e + bound) / across``. The quotient is off
+    by a few ulp, less than a sample within any image; one sample is added at either end.
+    """
+    low, high = float(begin - left), float(end - left)
+    for edge in range(3):
+        e, across = (row[0], row[1]) if edge == 0 else (row[2], row[3]) if edge == 1 else (row[4], row[5])
+        if across > 0.0:
+            low = max(low, -(e + bound) / across - 1.0)
+        elif across < 0.0:
+            high = min(high, -(e + bound) / across + 2.0)
+        elif e < -bound:
+            high = low
+    low = min(low, float(end - left))
+    return left + int(low), left + int(max(high, low))
+
+
+@jit
+def note(
+    table: Floats, i: int, keys: Array, window: Window, limits: Limits | None, doubts: Array, counts: Array
+) -> None:
+    """Write down the doubts of a triangle that has just been taken into the keys.
+
+    What it ties with need not be written down: either the keys still show it in the end, see :func:`settle`,
+    or it is certainly hidden.
+    """
+    left, top, bound = int(table[LEFT + i]), int(table[TOP + i]), table[BOUND + i]
+    begin, end = columns_of(table, i, keys, window)
+    gap, number = window.gap, int(table[NUMBER + i])
+    for line in range(max(top, window.line), min(int(table[BOTTOM + i]), window.line + len(keys))):
+        row = row_of(table, i, float(line - top))
+        for column in range(begin, end):
+            inner, z = at(row, float(column - left), limits)
+            key, old = key_of(z, window.mask, number), keys[line - window.line, column - window.column]
+            sample = line * window.width + column
+            if abs(inner) < bound:
+                if not is_farther(key, old, gap):
+                    write(doubts, counts, sample, key, False)
+            elif inner >= bound and key != old and abs(old - key) <= gap:
+                write(doubts, counts, sample, key, True)
+
+
+@jit
+def suspect(table: Floats, i: int, keys: Array, window: Window, doubts: Array, counts: Array) -> None:
+    """Write down a triangle of which little is certain wherever it may be.
+
+    It may be turned either way, and is taken to be as near as its nearest corner.
+    """
+    left, top, bound = int(table[LEFT + i]), int(table[TOP + i]), table[BOUND + i]
+    begin, end = columns_of(table, i, keys, window)
+    key = key_of(max(table[NEAREST + i], 1.0), window.mask, int(table[NUMBER + i]))
+    for line in range(max(top, window.line), min(int(table[BOTTOM + i]), window.line + len(keys))):
+        row = row_of(table, i, float(line - top))
+        for column in range(begin, end):
+            right = float(column - left)
+            e0, e1, e2 = row[0] + right * row[1], row[2] + right * row[3], row[4] + right * row[5]
+            may_cover = min(min(e0, e1), e2) > -bound or max(max(e0, e1), e2) < bound
+            if may_cover and not is_farther(
+                key, keys[line - window.line, column - window.column], window.gap
+            ):
+                write(doubts, counts, line * window.width + column, key, False)
+
+
+@jit
+def is_farther(key: int, old: int, gap: int) -> bool:
+    """Whether a key is certainly farther than what is there."""
+    return bool(key - old > gap)
+
+
+@jit
+def write(doubts: Array, counts: Array, sample: int, key: int, sure: bool) -> None:
+    """Write down one doubt, if there is room."""
+    if counts[USED] < len(doubts):
+        doubt = doubts[counts[USED]]
+        doubt["sample"], doubt["key"], doubt["sure"] = sample, key, sure
+    counts[USED] += 1
+
+
+@jit
+def settle(keys: Array, window: Window, doubts: Array, counts: Array) -> None:
+    """Forget doubts about what is certainly hidden; where some are left, add what the keys show."""
+    if counts[USED] > len(doubts):
+        return
+    kept = 0
+    for k in range(counts[USED]):
+        doubt = doubts[k]
+        line, column = divmod(doubt["sample"], window.width)
+        if not is_farther(doubt["key"], keys[line - window.line, column - window.column], window.gap):
+            left = doubts[kept]
+            left["sample"], left["key"], left["sure"] = doubt["sample"], doubt["key"], doubt["sure"]
+            kept += 1
+    counts[USED] = kept
+    for k in range(kept):
+        sample = doubts[k]["sample"]
+        line, column = divmod(sample, window.width)
+        key = keys[line - window.line, column - window.column]
+        if key != EMPTY:
+            write(doubts, counts, sample, key, True)
+
+
+# ---------------------------------------------------------------- reading out
+
+
+@jit
+def read_out(
+    keys: Array, window: Window, box: Box, faces: Array, eye: Eye, face: Array, depth: Floats
+) -> None:
+    """Split the keys of a box of samples into faces and depths.
+
+    Parameters
+    ----------
+    keys : (lines, columns + LANES) int64
+    window : Window
+    box : (first line, end line, first column, end column)
+        In the window.
+    faces : (n,) int32
+        Face of each triangle.
+    eye : Eye
+    face : (H, W) int32
+    depth : (H, W) float64
+        Of the image.
+    """
+    # Depths were cut off below the bits of the mask: on average by half a step. What keys cannot tell from
+    # infinity is as far as what is farthest.
+    step, half = 1.0 / eye.scale, 0.5 * (depth_of(int(EMPTY - window.mask)) - 1.0)
+    first, end, left = np.uintp(box[2]), np.uintp(box[3]), np.uintp(window.column)
+    for line in range(box[0], box[1]):
+        here, faces_here, depths_here = keys[line], face[window.line + line], depth[window.line + line]
+        for column in range(first, end):
+            key = here[column]
+            nearness = max(eye.front - (depth_of(key & window.mask) + half - FRONT) * step, eye.back)
+            seen = 1.0 / nearness if eye.perspective else -nearness
+            depths_here[left + column] = seen if key != EMPTY else np.inf
+        for column in range(first, end):
+            key = here[column]
+            owner = faces[np.uintp(key & ~window.mask)] if key != EMPTY else np.int32(-1)
+            faces_here[left + column] = owner

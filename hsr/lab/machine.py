@@ -1,0 +1,183 @@
+"""The machine a benchmark runs on: what it is, what else it does, and how much memory is taken.
+
+Linux tells all of it under ``/proc``; elsewhere the figures are None.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import platform
+import re
+import subprocess
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+
+from hsr.base.jit import thread_count
+from hsr.lab.results import Machine
+
+PACKAGES = ("hsr-lab", "numpy", "numba", "scipy", "moderngl", "embreex")
+VARIABLES = ("OMP_WAIT_POLICY", "GOMP_SPINCOUNT", "NUMBA_NUM_THREADS", "NUMBA_CPU_NAME", "LP_NUM_THREADS")
+
+ROOT = Path(__file__).parents[2]
+"""The checkout, if the package is not installed for good."""
+
+STAT = Path("/proc/stat")
+STATUS = Path("/proc/self/status")
+CLEAR_REFS = Path("/proc/self/clear_refs")
+
+
+def equal_threads() -> int:
+    """Give llvmpipe as many threads as Numba has, unless the environment says otherwise.
+
+    Must run before the first OpenGL context of the process opens.
+
+    Returns
+    -------
+    int
+        The number of threads.
+    """
+    threads = int(thread_count())
+    os.environ.setdefault("LP_NUM_THREADS", str(threads))
+    return threads
+
+
+def machine() -> Machine:
+    """Describe the machine and what the figures were made with."""
+    cpu = _cpu()
+    versions = {"python": platform.python_version()}
+    for package in PACKAGES:
+        with suppress(PackageNotFoundError):
+            versions[package] = version(package)
+    threads = int(thread_count())
+    return Machine(
+        name=f"{re.sub('[^a-z0-9]+', '-', cpu.lower()).strip('-')}-{threads}",
+        cpu=cpu,
+        processors=os.cpu_count() or 1,
+        threads=threads,
+        system=platform.platform(),
+        versions=versions,
+        environment={name: os.environ[name] for name in VARIABLES if name in os.environ},
+    )
+
+
+def _cpu() -> str:
+    with suppress(OSError):
+        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()
+
+
+def commit() -> str | None:
+    """Return the checkout's commit, with ``-dirty`` if files differ from it; None outside a checkout."""
+    if not (ROOT / ".git").exists():
+        return None
+    with suppress(OSError, subprocess.CalledProcessError):
+        told = subprocess.run(
+            ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--exclude", "*"],
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        return told.stdout.strip()
+    return None
+
+
+# ---------------------------------------------------------------- load
+
+
+class Watch:
+    """Watch how many processors other programs keep busy, from now on."""
+
+    def __init__(self) -> None:
+        self._start = _clocks()
+
+    @property
+    def foreign_load(self) -> float | None:
+        """Processors that others kept busy since the start, on average; None if the system does not say."""
+        now = _clocks()
+        if self._start is None or now is None:
+            return None
+        wall, busy, own = (b - a for a, b in zip(self._start, now, strict=True))
+        return round(max(busy - own, 0.0) / wall, 2)
+
+
+def _clocks() -> tuple[float, float, float] | None:
+    """Seconds of the wall clock, of all processors busy, and of this process and its children."""
+    try:
+        user, nice, system, _, _, irq, softirq, steal = map(int, STAT.read_text().split()[1:9])
+    except (OSError, ValueError):
+        return None
+    busy = (user + nice + system + irq + softirq + steal) / os.sysconf("SC_CLK_TCK")
+    return time.perf_counter(), busy, sum(os.times()[:4])
+
+
+WORK = 2**16
+"""Numbers that the yardstick sorts: a third of a millisecond or so."""
+
+
+class Yardstick:
+    """A fixed piece of work on one thread, timed now and again: how fast the machine itself is."""
+
+    def __init__(self) -> None:
+        self._numbers = np.random.default_rng(1).random(WORK)
+        self._seconds: list[float] = []
+
+    def apply(self) -> None:
+        """Do the work once."""
+        start = time.perf_counter()
+        np.sort(self._numbers)
+        self._seconds.append(time.perf_counter() - start)
+
+    @property
+    def milliseconds(self) -> float:
+        """The median so far."""
+        return round(1e3 * median(self._seconds), 4)
+
+
+# ---------------------------------------------------------------- memory
+
+
+class Peak:
+    """How far resident memory rose, in bytes; None until known."""
+
+    rise: int | None = None
+
+
+@contextmanager
+def peak_memory() -> Iterator[Peak]:
+    """Measure how far the process's resident memory rises within the ``with`` block.
+
+    Freed memory that the allocator still holds is given back first, lest it hide what the block takes.
+    """
+    peak = Peak()
+    with suppress(OSError, AttributeError):
+        ctypes.CDLL(None).malloc_trim(0)
+    before = _resident("VmRSS") if _forget_peak() else None
+    yield peak
+    after = _resident("VmHWM")
+    if before is not None and after is not None:
+        peak.rise = max(after - before, 0)
+
+
+def _forget_peak() -> bool:
+    """Have Linux forget the process's highest resident memory (proc(5), ``clear_refs``)."""
+    try:
+        CLEAR_REFS.write_text("5")
+    except OSError:
+        return False
+    return True
+
+
+def _resident(field: str) -> int | None:
+    with suppress(OSError):
+        found = re.search(rf"^{field}:\s*(\d+) kB$", STATUS.read_text(), flags=re.MULTILINE)
+        return None if found is None else 1024 * int(found[1])
+    return None

@@ -1,0 +1,243 @@
+"""What a benchmark publishes: the results as JSON, CSV, Markdown, a chart for print and a page to explore."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from hsr.base.errors import HsrError
+from hsr.base.files import write_whole
+from hsr.lab import scaling
+from hsr.lab.metrics import ERROR, METRICS, SPEED, STAGES, Metric, dominators
+from hsr.lab.results import Results, Row, case_title
+from hsr.lab.scaling import growth
+from hsr.pictures.charts import Mark, Panel, growth_svg, speed_chart, speed_svg
+
+TABLE: Sequence[Metric] = (*STAGES, ERROR)
+"""The figures of a table; all of them are in the CSV file."""
+
+HEAD = ("rank", "method", *(metric.title for metric in TABLE), "why", "dominated by")
+"""The columns of a table."""
+
+NAMED = 2
+"""How many methods a table names that dominate another."""
+
+
+def publish(results: Results, folder: str | Path) -> list[Path]:
+    """Write a run into a folder, named after machine and commit: .json, .csv, .md, .svg and .html.
+
+    A scaling run has no .html.
+
+    Parameters
+    ----------
+    results : Results
+    folder : str or Path
+
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Raises
+    ------
+    HsrError
+        If a file cannot be written.
+    """
+    texts = {
+        "json": results.to_json(),
+        "csv": to_csv(results),
+        "md": to_markdown(results),
+        "svg": to_svg(results),
+    }
+    if not results.scaling:
+        texts["html"] = to_html(results)
+    make_folder(Path(folder))
+    files = {Path(folder) / f"{results.stem}.{ending}": text for ending, text in texts.items()}
+    for path, text in files.items():  # all texts are there by now: nothing can fail but the disk
+        write_whole(path, text, "the results")
+    return list(files)
+
+
+def make_folder(folder: Path) -> None:
+    """Make the folder of the results: before the work is done, not after.
+
+    Raises
+    ------
+    HsrError
+        If it cannot be made, or nothing can be written there.
+    """
+    try:
+        folder.mkdir(exist_ok=True)
+        probe = folder / ".hsr-bench"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise HsrError(
+            f"{folder}: cannot write results there: {error.strerror}; choose another -o"
+        ) from error
+
+
+# ---------------------------------------------------------------- tables
+
+
+def to_csv(results: Results) -> str:
+    """Return one line a row: what it is, every metric, causes as ``name count``, rank and dominators."""
+    facts = ("id", "series", "scene", "width", "height", "cull", "method", "faces", "triangles", "threads")
+    lines = []
+    for rows in results.cases.values():
+        better = dominators(rows)
+        for row in rows:
+            figures = [metric.of(row) for metric in METRICS]
+            ranked = (len(better[row.id]) + 1, " ".join(better[row.id])) if row.id in better else ("", "")
+            lines.append([*(getattr(row, name) for name in facts), *figures, why(row), *ranked, row.absent])
+    head = [*facts, *(metric.title for metric in METRICS), "why", "rank", "dominated by", "absent"]
+    return as_csv(head, lines)
+
+
+def table(rows: Sequence[Row]) -> list[tuple[str, ...]]:
+    """Return the table of one case: the cells of :data:`HEAD`, the best rank first.
+
+    A row without figures comes last, its reason in the column "why".
+    """
+    better = dominators(rows)
+    ran = sorted(
+        (row for row in rows if not row.absent), key=lambda row: (len(better[row.id]), SPEED.of(row))
+    )
+    cells = [
+        (
+            str(len(better[row.id]) + 1),
+            row.method,
+            *(metric.text(row) for metric in TABLE),
+            why(row),
+            _named(better[row.id]),
+        )
+        for row in ran
+    ]
+    blank = ("",) * len(TABLE)
+    return [*cells, *(("", row.method, *blank, row.absent, "") for row in rows if row.absent)]
+
+
+def _named(methods: Sequence[str]) -> str:
+    more = len(methods) - NAMED
+    return ", ".join(methods[:NAMED]) + (f" and {more} more" if more > 0 else "")
+
+
+def why(row: Row) -> str:
+    """Write the causes of the wrong samples of a row."""
+    causes = (row.verdict and row.verdict.causes) or {}
+    return ", ".join(f"{name} {count:,}" for name, count in causes.items())
+
+
+def to_markdown(results: Results) -> str:
+    """Return the tables of all cases, or of how times grow, with a line on the machine, as Markdown."""
+    if results.scaling:
+        return _growth_markdown(results)
+    return "\n\n".join([conditions(results), *map(case_markdown, results.cases.values())]) + "\n"
+
+
+def case_markdown(rows: Sequence[Row]) -> str:
+    """Return the title and the table of one case as Markdown."""
+    right = ("rank", *(metric.title for metric in TABLE))
+    return f"**{case_title(rows)}**\n\n{as_markdown(HEAD, table(rows), right)}"
+
+
+def _growth_markdown(results: Results) -> str:
+    series = growth(results)
+    lines = "\n".join(f"- {sentence}" for sentence in scaling.sentences(series))
+    told = as_markdown(scaling.HEAD, scaling.table(series), scaling.HEAD[4:])
+    return "\n\n".join([conditions(results), lines, told]) + "\n"
+
+
+def as_markdown(head: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[str]) -> str:
+    """Write a table as Markdown; the columns named in ``right`` are aligned to that side."""
+    rule = "|".join("---:" if name in right else "---" for name in head)
+    lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |" for cells in (head, *rows)]
+    return "\n".join([lines[0], f"|{rule}|", *lines[1:]])
+
+
+def as_csv(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+    """Write a table as CSV."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([head, *rows])
+    return text.getvalue()
+
+
+def conditions(results: Results) -> str:
+    """Say in a sentence or two under what conditions the figures were measured."""
+    machine = results.machine
+    versions = ", ".join(f"{name} {number}" for name, number in machine.versions.items())
+    drivers = dict.fromkeys(row.driver for row in results.rows if row.driver)
+    single = dict.fromkeys(row.method for row in results.rows if row.threads == 1)
+    text = (
+        f"Medians of {results.repeat} interleaved turns on {machine.threads} threads of {machine.processors} "
+        f"processors ({machine.cpu}), {results.date[:10]}, commit {results.commit or 'unknown'}; "
+        f"{'; '.join([versions, *drivers])}."
+    )
+    if single and machine.threads > 1:
+        text += f" One thread only: {', '.join(single)}."
+    loads = [row.foreign_load for row in results.rows if row.foreign_load is not None]
+    if loads:
+        text += f" Other programs kept up to {max(loads):.2f} processors busy."
+    return text
+
+
+# ---------------------------------------------------------------- charts
+
+
+def panels(results: Results) -> list[Panel]:
+    """Return the panel of every case: time against error."""
+    return [_panel(rows) for rows in results.cases.values()]
+
+
+def _panel(rows: Sequence[Row]) -> Panel:
+    better = dominators(rows)
+    marks = [
+        Mark(
+            row=row.id,
+            label=row.method,
+            family=row.family,
+            x=float(row.verdict.wrong),
+            y=row.times["render"].median,
+            low=row.times["render"].low,
+            high=row.times["render"].high,
+            frontier=not better[row.id],
+            details={metric.title: metric.text(row) for metric in METRICS} | {"why": why(row)},
+        )
+        for row in rows
+        if row.verdict is not None
+    ]
+    notes = [f"{row.method}: {row.absent}" for row in rows if row.absent]
+    return Panel(case_title(rows), marks, notes)
+
+
+def to_svg(results: Results) -> str:
+    """Return the chart for print: speed against error, of a scaling run how times grow."""
+    if results.scaling:
+        return growth_svg(growth(results), SPEED.axis)
+    return speed_svg(panels(results), ERROR.axis, SPEED.axis)
+
+
+def to_html(results: Results) -> str:
+    """Return the page: the chart to explore, and all tables; it needs no network."""
+    from vl_convert import javascript_bundle
+
+    environment = Environment(
+        loader=PackageLoader("hsr.lab"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template("speed.html").render(
+        vega=Markup(javascript_bundle("window.vegaEmbed = vegaEmbed;")),
+        chart=speed_chart(panels(results), ERROR.axis, SPEED.axis),
+        cases=[(case_title(rows), table(rows)) for rows in results.cases.values()],
+        head=HEAD,
+        metrics=METRICS,
+        conditions=conditions(results),
+    )

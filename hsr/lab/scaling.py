@@ -1,0 +1,362 @@
+"""How times grow: with the triangles, the pixels, the layers one behind the other, and the copies.
+
+Every series changes one of them and keeps the others. Beside the times stands what theory says of the
+method (Foley, van Dam et al., *Computer Graphics: Principles and Practice*, chapter 15):
+
+* a ray tested against every face costs ``n p``, with n faces and p pixels;
+* a depth buffer sets up every face and visits every fragment: ``a + b n``, linear in each of n, the pixels
+  and the layers, as fragments are pixels times layers;
+* a hierarchy is entered by every pixel and is about ``log n`` deep: ``p (a + b log n)``.
+
+The constants are fitted; how well the law holds is seen in the chart.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import permutations
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.optimize import nnls
+from scipy.stats import linregress, t
+
+from hsr.algorithms.registry import methods
+from hsr.base.arrays import Floats
+from hsr.lab.metrics import SPEED, written
+from hsr.lab.results import Results, Row
+from hsr.lab.speed import Case, make_case
+from hsr.lab.statistics import CONFIDENCE
+from hsr.pictures.charts import Curve, Growth
+from hsr.scene.model import Scene
+
+SIDE, QUICK_SIDE = 512, 128
+"""Pixels a side, where they stay the same."""
+
+KNOT = 20_000
+"""Triangles of the knot that is seen by more and more pixels."""
+
+SEED = 1
+
+Law = Callable[[Floats], Floats]
+"""From the sizes (n,) to the terms (n, k) whose sum, each with a positive constant, is the time."""
+
+LAWS: dict[str, Law] = {
+    "c x": lambda x: x[:, None],
+    "a + b x": lambda x: np.stack([np.ones_like(x), x], axis=1),
+    "a + b log x": lambda x: np.stack([np.ones_like(x), np.log(x)], axis=1),
+}
+
+CONSTANTS = 2
+"""That a law has at most: through no more points than these it would run whatever they are."""
+
+BUFFERS = ("backface", "zbuffer", "scanline", "opengl")
+"""Families that set up every face and visit every fragment."""
+
+RAYS = ("raycast", "embree")
+"""Families that enter a hierarchy once a pixel."""
+
+
+@dataclass(frozen=True)
+class Series:
+    """One thing that grows.
+
+    Attributes
+    ----------
+    name : str
+        Of the series, and what is counted.
+    about : str
+        What is seen.
+    sizes, quick : tuple of int
+        How much of it, in a full and in a quick run.
+    scene : callable
+        The scene with so much of it.
+    """
+
+    name: str
+    about: str
+    sizes: tuple[int, ...]
+    quick: tuple[int, ...]
+    scene: Callable[[int], Scene]
+
+    def cases(self, quick: bool) -> list[Case]:
+        """Return the views of the series, the smallest first."""
+        return [
+            self._case(size, QUICK_SIDE if quick else SIDE) for size in (self.quick if quick else self.sizes)
+        ]
+
+    def _case(self, size: int, side: int) -> Case:
+        if self.name == "pixels":
+            side = math.isqrt(size)
+        case = make_case(f"{self.name}-{size}", self.scene(size), (side, side))
+        return replace(case, series=self.name)
+
+
+def size_of(row: Row) -> int:
+    """Return how much of its series' thing a row has: the number at the end of its scene's name.
+
+    Of triangles the knot has only about as many as its name says, so they are counted.
+    """
+    return row.triangles if row.series == "triangles" else int(row.scene.rpartition("-")[2])
+
+
+def measured_cases(quick: bool) -> list[Case]:
+    """Return the cases of all series."""
+    return [case for series in SERIES for case in series.cases(quick)]
+
+
+# ---------------------------------------------------------------- the scenes
+
+
+def _seen_from(distance: float, *things: dict[str, Any]) -> Scene:
+    camera = {"type": "perspective", "eye": [0.0, 0.3 * distance, distance]}
+    return Scene.model_validate({"camera": [camera], "object": list(things)})
+
+
+def _knot(triangles: int) -> Scene:
+    """Make a torus knot of about so many triangles, sixteen times as many segments as sides."""
+    sides = max(3, round(math.sqrt(triangles / 32.0)))
+    segments = max(8, round(triangles / (2.0 * sides)))
+    return _seen_from(9.0, {"name": "knot", "shape": "torus-knot", "segments": segments, "sides": sides})
+
+
+def _layers(layers: int) -> Scene:
+    """Put so many squares behind each other, all larger than the image, in no order."""
+    depth = np.random.default_rng(SEED).permutation(layers) / layers
+    squares: list[dict[str, Any]] = [
+        {
+            "name": f"layer {k}",
+            "shape": "square",
+            "transform": [{"scale": 20.0}, {"translate": [0.0, 0.0, -z]}],
+        }
+        for k, z in enumerate(depth.tolist())
+    ]
+    return _seen_from(9.0, *squares)
+
+
+def _copies(copies: int) -> Scene:
+    """Strew so many copies of one fir on the same ground."""
+    scatter = {"count": copies, "x": [-3.0, 3.0], "z": [-6.0, 3.0], "seed": SEED}
+    return _seen_from(7.0, {"name": "fir", "shape": "fir", "tiers": 2, "sides": 16, "scatter": scatter})
+
+
+def _decades(first: int, last: int, step: float) -> tuple[int, ...]:
+    count = round(math.log10(last / first) / step)
+    return tuple(round(first * 10 ** (step * k)) for k in range(count + 1))
+
+
+SERIES = (
+    Series("triangles", "a torus knot", _decades(100, 1_000_000, 0.5), _decades(100, 10_000, 1.0), _knot),
+    Series(
+        "pixels",
+        f"a torus knot of {KNOT:,} triangles",
+        tuple(4**k for k in range(6, 13)),
+        tuple(4**k for k in range(5, 8)),
+        lambda _: _knot(KNOT),
+    ),
+    Series(
+        "layers",
+        "squares behind each other",
+        tuple(2**k for k in range(9)),
+        tuple(4**k for k in range(3)),
+        _layers,
+    ),
+    Series(
+        "copies", "copies of a fir", tuple(4**k for k in range(6)), tuple(4**k for k in range(3)), _copies
+    ),
+)
+
+
+# ---------------------------------------------------------------- laws
+
+
+class Exponent(NamedTuple):
+    """The slope of the times by logarithms, ``t ~ x**value``, and its interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+def exponent(x: Sequence[float], y: Sequence[float]) -> Exponent | None:
+    """Fit ``y = c x**k`` by least squares of the logarithms.
+
+    Parameters
+    ----------
+    x, y : sequence of float
+        Positive.
+
+    Returns
+    -------
+    Exponent or None
+        k with its interval by Student's t; None of fewer than three points.
+    """
+    if len(x) < 3:
+        return None
+    line = linregress(np.log(x), np.log(y))
+    reach = float(t.ppf(0.5 + CONFIDENCE / 2.0, len(x) - 2)) * line.stderr
+    return Exponent(float(line.slope), float(line.slope - reach), float(line.slope + reach))
+
+
+def law_of(method: str, series: str) -> str | None:
+    """Name the law that theory gives a method for a series; None for methods of which it says nothing."""
+    known = methods().get(method)
+    family = method.partition("-")[0]
+    if known is not None and known.exhaustive:
+        return "c x"
+    if family in RAYS and series != "pixels":
+        return "a + b log x"
+    return "a + b x" if family in RAYS + BUFFERS else None
+
+
+def fitted(law: str, x: Sequence[float], y: Sequence[float]) -> list[float]:
+    """Fit the constants of a law, none negative, to the times, and return the times by the law.
+
+    The squares of the *relative* errors are least, so that small times count as much as large ones.
+
+    Parameters
+    ----------
+    law : str
+        One of :data:`LAWS`.
+    x, y : sequence of float
+        Positive.
+    """
+    times = np.asarray(y, dtype=np.float64)
+    terms = LAWS[law](np.asarray(x, dtype=np.float64))
+    constants, _ = nnls(terms / times[:, None], np.ones_like(times))
+    predicted: list[float] = (terms @ constants).tolist()
+    return predicted
+
+
+def growth(results: Results) -> list[Growth]:
+    """Return the curves of every series that was measured, with the law fitted to each."""
+    found = []
+    for series in SERIES:
+        rows = [row for row in results.rows if row.series == series.name and not row.absent]
+        names = dict.fromkeys(row.method for row in rows)
+        curves = [_curve([row for row in rows if row.method == name], series.name) for name in names]
+        if curves:
+            found.append(Growth(f"{series.about}: more {series.name}", series.name, curves))
+    return found
+
+
+def _curve(rows: Sequence[Row], series: str) -> Curve:
+    x = [float(size_of(row)) for row in rows]
+    times = [row.times[SPEED.name] for row in rows]
+    y = [time.median for time in times]
+    law = law_of(rows[0].method, series)
+    return Curve(
+        label=rows[0].method,
+        family=rows[0].family,
+        x=x,
+        y=y,
+        low=[time.low for time in times],
+        high=[time.high for time in times],
+        theory=fitted(law, x, y) if law is not None and len(x) > CONSTANTS else (),
+    )
+
+
+# ---------------------------------------------------------------- crossovers
+
+
+@dataclass(frozen=True)
+class Crossover:
+    """From a size on one method is faster than another, which had been faster before.
+
+    Attributes
+    ----------
+    winner, loser : str
+    at : float
+        Where the times are equal, interpolated by logarithms.
+    below, above : float
+        The measured sizes on both sides of it.
+    """
+
+    winner: str
+    loser: str
+    at: float
+    below: float
+    above: float
+
+    def sentence(self, thing: str) -> str:
+        """Say so, ``thing`` being what is counted."""
+        return (
+            f"From about {_round(self.at):,} {thing} on, {self.winner} is faster than {self.loser} "
+            f"(measured at {self.below:,.0f} and {self.above:,.0f})."
+        )
+
+
+def _round(value: float) -> int:
+    """Two significant digits: interpolation is no better."""
+    return int(float(f"{value:.1e}"))
+
+
+def crossovers(curves: Sequence[Curve]) -> list[Crossover]:
+    """Find where methods of different families change places.
+
+    Only what noise cannot explain: the intervals of the two are apart at the first and at the last size
+    that both have, in opposite order.
+
+    Parameters
+    ----------
+    curves : sequence of Curve
+
+    Returns
+    -------
+    list of Crossover
+        The smallest size first.
+    """
+    pairs = [(a, b) for a, b in permutations(curves, 2) if a.family != b.family]
+    found = [crossing for a, b in pairs if (crossing := _crossing(a, b)) is not None]
+    return sorted(found, key=lambda crossing: crossing.at)
+
+
+def _crossing(winner: Curve, loser: Curve) -> Crossover | None:
+    shared = [(winner.x.index(x), loser.x.index(x)) for x in winner.x if x in loser.x]
+    if not shared:
+        return None
+    (w0, l0), (w1, l1) = shared[0], shared[-1]
+    if not (winner.low[w0] > loser.high[l0] and winner.high[w1] < loser.low[l1]):
+        return None
+    x = np.log([winner.x[w] for w, _ in shared])
+    lag = np.array([math.log(winner.y[w] / loser.y[k]) for w, k in shared])
+    last = int(np.flatnonzero(lag > 0.0)[-1])
+    share = lag[last] / (lag[last] - lag[last + 1])
+    at = math.exp(x[last] + share * (x[last + 1] - x[last]))
+    return Crossover(winner.label, loser.label, at, math.exp(x[last]), math.exp(x[last + 1]))
+
+
+# ---------------------------------------------------------------- in words
+
+HEAD = ("series", "method", "grows as", "law", "off by up to", "at the smallest [ms]", "at the largest [ms]")
+"""The columns of the table of growth."""
+
+
+def table(series: Sequence[Growth]) -> list[tuple[str, ...]]:
+    """Return a line a curve, the cells of :data:`HEAD`."""
+    return [_line(one, curve) for one in series for curve in one.curves]
+
+
+def _line(one: Growth, curve: Curve) -> tuple[str, ...]:
+    slope = exponent(curve.x, curve.y)
+    grows = "" if slope is None else f"x^{slope.value:.2f} ({slope.low:.2f} to {slope.high:.2f})"
+    off = [abs(law / time - 1.0) for law, time in zip(curve.theory, curve.y, strict=False)]
+    law = law_of(curve.label, one.x_title) if off else None
+    ends = (written(curve.y[0]), written(curve.y[-1]))
+    return (one.x_title, curve.label, grows, law or "", f"{max(off):.0%}" if off else "", *ends)
+
+
+def sentences(series: Sequence[Growth]) -> list[str]:
+    """Say who is fastest at the largest size of every series, and where methods change places."""
+    told = []
+    for one in series:
+        largest = max(x for curve in one.curves for x in curve.x)
+        last = sorted(
+            (curve for curve in one.curves if curve.x[-1] == largest), key=lambda curve: curve.y[-1]
+        )
+        order = ", ".join(f"{curve.label} {written(curve.y[-1])} ms" for curve in last[:3])
+        told.append(f"At {largest:,.0f} {one.x_title} the fastest are {order}.")
+        told += [crossing.sentence(one.x_title) for crossing in crossovers(one.curves)]
+    return told

@@ -1,0 +1,123 @@
+"""Parallel triangles of any orientation, ever closer: the least separation that is always told apart."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from hsr.base.arrays import Bools, Floats
+from hsr.lab.stability import theory
+from hsr.lab.stability.building import central, mesh, scene_of
+from hsr.lab.stability.family import Case, Family, Variant
+from hsr.scene.model import Scene
+
+NEAR, FAR, DEPTH = 1.0, 65537.0, 512.0
+SIZE = 0.3
+"""Radius of the triangles over their depth."""
+BEGIN = 0.5
+"""The part of the bound at which failures begin: as found, for 16 pairs are seldom near the worst plane."""
+BITS = 8
+"""Of the snapping grid whose least separation is the unit."""
+
+
+def least(side: int, point: Floats, bits: int = BITS, depth_bits: int = 24) -> float:
+    """Return the least separation at a point (x, y, -depth)."""
+    depth = -float(point[2])
+    dz = theory.integers(depth_bits, depth, NEAR, FAR)
+    return theory.separation(dz, depth, math.hypot(point[0], point[1]) / depth, bits, 2.0 / side)
+
+
+def nearer_triangles() -> Iterator[tuple[Floats, Floats, Floats]]:
+    """Yield 4 x 4 triangles (3, 3), each with its normal (3,) and its corners (3, 3) from its middle."""
+    random = np.random.default_rng(1)
+    for x, y in (np.mgrid[-0.75:1.0:0.5, -0.75:1.0:0.5]).reshape(2, -1).T:
+        ray = np.array([x, y, -1.0])
+        normal = ray + random.normal(0.0, 0.8, 3)
+        normal *= np.sign(normal @ ray) / np.linalg.norm(normal)
+        across = np.linalg.svd(normal[None])[2][1:]
+        angle = random.uniform(0.0, 2.0 * np.pi) + np.array([0.0, 2.0, 4.0]) * (np.pi / 3.0)
+        around = SIZE * DEPTH * np.stack([np.cos(angle), np.sin(angle)], axis=1) @ across
+        yield DEPTH * ray + around, normal, around
+
+
+def scene(part: float, side: int) -> Scene:
+    """Put pairs of triangles into the picture; the farther, smaller one comes first."""
+    corners = []
+    for triangle, normal, around in nearer_triangles():
+        away = part * max(least(side, corner) for corner in triangle) * normal
+        corners += [triangle + away - 0.4 * around, triangle]
+    vertices = np.concatenate(corners)
+    return scene_of(central(NEAR, FAR), mesh(vertices, np.arange(len(vertices)).reshape(-1, 3)))
+
+
+def swapped(case: Case) -> Bools:
+    """Count where the farther triangle of a pair is shown in place of the nearer."""
+    nearer = case.truth.face % 2 == 1
+    return np.asarray(nearer & (case.answer.face == case.truth.face - 1))
+
+
+def failure_rate(case: Case, wrong: Bools) -> float:
+    """Return the part of the samples with a nearer triangle that show the farther one."""
+    return float(wrong.sum() / (case.truth.face % 2 == 1).sum())
+
+
+def unit_of(bits: int, depth_bits: int, side: int) -> float:
+    """Return the least separation of another buffer in units of that of D24 with 8 bits, for all pairs."""
+    return max(
+        max(least(side, corner, bits, depth_bits) for corner in triangle)
+        / max(least(side, corner) for corner in triangle)
+        for triangle, _, _ in nearer_triangles()
+    )
+
+
+def buffer(bits: int, depth_bits: int) -> Variant:
+    """Return a scan conversion that snaps to so many bits and stores depth in so many."""
+    options = {"depth_format": f"d{depth_bits}", "subpixel_bits": bits}
+    told = "below S_min = sqrt(dz^2 + (sqrt(2) 2^-b p + dz tan a)^2), never at it"
+    return Variant(
+        f"D{depth_bits}, {bits} bits",
+        lambda side: BEGIN * unit_of(bits, depth_bits, side),
+        told,
+        method="scanline-direct",
+        options=options,
+        safe=lambda side: unit_of(bits, depth_bits, side),
+    )
+
+
+FAMILY = Family(
+    name="triangle-separation",
+    group="depth",
+    story=(
+        "Pairs of parallel triangles lie in planes of any orientation. A depth buffer that snaps corners "
+        "moves each plane, and a plane seen at a slant moves far along the line of sight: sub-pixel "
+        "precision can matter more than the depth format. The closed form bounds both; below it failures "
+        "begin, at it there are none."
+    ),
+    expected="The nearer triangle wherever both are met.",
+    source=(
+        "K. Akeley, J. Su, Minimum Triangle Separation for Correct Z-Buffer Occlusion (2006); the formula "
+        "is derived anew in theory.py"
+    ),
+    parameter="separation, in units of the least one for D24 with 8 sub-pixel bits",
+    sweep=tuple(64.0 * 2.0 ** (-k / 2) for k in range(31)),
+    scene=scene,
+    wrong=swapped,
+    marked={"S_min of D24 with 8 bits": 1.0},
+    figure=failure_rate,
+    figure_name="part of the samples that show the farther one",
+    variants=(
+        buffer(4, 16),
+        buffer(8, 16),
+        buffer(4, 24),
+        buffer(8, 24),
+        Variant(
+            "scanline-d24",
+            lambda side: BEGIN * unit_of(40, 24, side),
+            "below dz / cos a, never at it",
+            safe=lambda side: unit_of(40, 24, side),
+        ),
+        Variant("opengl", BEGIN, "as D24 with 8 bits; its depths come from unsnapped corners", safe=1.0),
+    ),
+)

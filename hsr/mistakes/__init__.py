@@ -1,0 +1,1 @@
+"""Renderers with classic mistakes planted in them."""

@@ -1,0 +1,1 @@
+"""Embree, modelled stage by stage."""

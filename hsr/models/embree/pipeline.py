@@ -1,0 +1,171 @@
+"""Embree, stage by stage, as far as it can be followed.
+
+==============  ==============================================================================
+Stage           Model: the exact answer for
+==============  ==============================================================================
+tessellation    curved shapes replaced by polygons
+input rounding  the corners in world space, rounded to float32
+transform       the same corners and the rays, rounded to float32
+intersector     (Embree's own test of a ray with a triangle, in its arithmetic)
+==============  ==============================================================================
+
+The last model tests every triangle. Of several at equal distances Embree takes the one it comes to last,
+which its hierarchy decides, and whether it goes through it with single rays or packets; the model takes
+from Embree which of them it is. Whole maps would take the model too long.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from functools import lru_cache
+
+import numpy as np
+
+from hsr.algorithms.embree import Options, handed_over, rays, render
+from hsr.base.arrays import Array, Floats, Ints
+from hsr.models.embree.float32 import MISS, distances
+from hsr.models.rounded import of_polygons, tessellation, true_faces
+from hsr.models.stages import Cause, Pipeline, Stage, rerun
+from hsr.problem.map import BACKGROUND
+from hsr.problem.view import View
+
+Vector = Sequence[Fraction]
+
+FARTHEST = float(np.finfo(np.float32).max)
+"""Stands for an infinite far."""
+
+TIE = BACKGROUND - 1
+"""In place of a face where exact arithmetic finds several."""
+
+ROUNDING = 2.0**-48
+"""Bound of the error of an edge value in float64, relative to the lengths of its three factors.
+
+Each of the six products has three factors, two of them sums: with the sums of the products fewer than
+twenty roundings of 2^-53. The sum of the magnitudes of the products is at most twice the product of the
+lengths.
+"""
+
+
+def input_rounding(view: View, options: Options, samples: Array) -> Ints:  # noqa: ARG001
+    """Model the rounding of world points to float32."""
+    view = view.tessellated()
+    polygons = replace(view.polygons, vertices=view.polygons.vertices.astype(np.float32))
+    return true_faces(of_polygons(view, polygons, np.ones(len(polygons), dtype=np.bool_)))[samples]
+
+
+def transform(view: View, options: Options, samples: Array) -> Ints:
+    """Model the rounding of rays to float32: the nearest triangle in rational arithmetic.
+
+    Where the rounded ray meets an edge exactly, or two triangles equally far away, it says nothing
+    new: then the answer for the unrounded ray stands.
+    """
+    vertices, corner, face = handed_over(view)
+    corners, reach = vertices[corner], min(view.far - view.near, FARTHEST)
+    rays_of = _rays_of(view, samples)
+    shown = np.array([_exact_nearest(corners, face, *ray, reach) for ray in rays_of], dtype=np.int32)
+    tied = np.flatnonzero(shown == TIE)
+    if len(tied):
+        shown[tied] = input_rounding(view, options, samples[tied])
+    return shown
+
+
+rendered = rerun(render)
+
+
+def intersector(view: View, options: Options, samples: Array) -> Ints:
+    """Model Embree's test of a ray with a triangle."""
+    vertices, corner, face = handed_over(view)
+    corners, reach = vertices[corner], np.float32(view.far - view.near)
+    own = rendered(view, options)[0].ravel()[samples]
+    at = (distances(*ray, corners, reach) for ray in _rays_of(view, samples))
+    return np.array([_nearest(t, face, shown) for t, shown in zip(at, own, strict=True)], dtype=np.int32)
+
+
+def _nearest(t: Array, face: Ints, shown: int) -> int:
+    """Return the face of the nearest triangle: if there are several, ``shown``, or else the lowest."""
+    least = t.min(initial=MISS)
+    if least == MISS:
+        return BACKGROUND
+    nearest = face[t == least]
+    return shown if shown in nearest else int(nearest.min())
+
+
+# ---------------------------------------------------------------- rays
+
+
+@lru_cache(maxsize=1)
+def _all_rays(view: View) -> tuple[Array, Array]:
+    bands = [(origins, directions) for _, origins, directions in rays(view)]
+    origins, directions = (np.concatenate(parts) for parts in zip(*bands, strict=True))
+    return origins, directions
+
+
+def _rays_of(view: View, samples: Array) -> Iterator[tuple[Array, Array]]:
+    """Yield origin and direction (3,) float32 of each sample's ray."""
+    origins, directions = _all_rays(view)
+    yield from zip(origins[samples], directions[samples], strict=True)
+
+
+# ---------------------------------------------------------------- one ray in exact arithmetic
+
+
+def _exact_nearest(corners: Array, face: Ints, origin: Array, direction: Array, reach: float) -> int:
+    """Return the face of the nearest triangle that a ray meets; ``TIE`` if it is not the only one."""
+    near_by = np.flatnonzero(_may_hit(corners.astype(np.float64), origin, direction))
+    hits = [(*_exact_hit(corners[i], origin, direction), int(face[i])) for i in near_by]
+    met = [hit for hit in hits if 0 <= hit[0] <= Fraction(float(np.float32(reach)))]
+    if not met:
+        return BACKGROUND
+    nearest = min(met)[0]
+    alone = len([hit for hit in met if hit[0] == nearest]) == 1
+    on_edge = any(edge for t, edge, _ in met if t == nearest)
+    return min(met)[2] if alone and not on_edge else TIE
+
+
+def _may_hit(corners: Floats, origin: Array, direction: Array) -> Array:
+    """Tell which triangles (n,) the ray's line may meet: all but those it certainly passes by."""
+    v = corners - origin.astype(np.float64)
+    d = direction.astype(np.float64)
+    p, q = np.roll(v, 1, axis=1), v
+    side = np.cross(p - q, p + q) @ d
+    lengths = np.linalg.norm(p - q, axis=2) * np.linalg.norm(p + q, axis=2) * np.linalg.norm(d)
+    slack = ROUNDING * lengths
+    may_hit: Array = (side >= -slack).all(axis=1) | (side <= slack).all(axis=1)
+    return may_hit
+
+
+def _exact_hit(corners: Array, origin: Array, direction: Array) -> tuple[Fraction, bool]:
+    """Return the distance of a triangle along a ray, and whether the ray meets its edge; -1 for a miss."""
+    o, d = _exact(origin), _exact(direction)
+    a, b, c = ([x - y for x, y in zip(_exact(corner), o, strict=True)] for corner in corners)
+    sides = [_dot(_cross(p, q), d) for p, q in ((b, c), (c, a), (a, b))]
+    # The volumes that the edges span with the direction add up to the normal's part along it.
+    total = sum(sides, Fraction(0))
+    if total == 0 or min(sides) < 0 < max(sides):
+        return Fraction(-1), False
+    return _dot(_cross(a, b), c) / total, 0 in sides
+
+
+def _exact(vector: Array) -> Vector:
+    return [Fraction(float(x)) for x in vector]
+
+
+def _cross(a: Vector, b: Vector) -> Vector:
+    return [a[k - 2] * b[k - 1] - a[k - 1] * b[k - 2] for k in range(3)]
+
+
+def _dot(a: Vector, b: Vector) -> Fraction:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+PIPELINE = Pipeline(
+    (
+        Stage(Cause.TESSELLATION, tessellation),
+        Stage(Cause.INPUT_ROUNDING, input_rounding),
+        Stage(Cause.TRANSFORM, transform),
+        Stage(Cause.INTERSECTOR, intersector),
+    ),
+    None,
+)

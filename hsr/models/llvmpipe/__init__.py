@@ -1,0 +1,1 @@
+"""Mesa's llvmpipe, modelled stage by stage, down to the last bit."""

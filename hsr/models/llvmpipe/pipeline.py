@@ -1,0 +1,51 @@
+"""OpenGL, stage by stage, as far as the driver is the one that is modelled.
+
+The tessellation is judged exactly, the stages of the driver by :mod:`hsr.models.llvmpipe.driver`,
+whose last model is not the driver run again but a prediction of what it draws.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+
+import numpy as np
+
+from hsr.algorithms.opengl import Options
+from hsr.base.arrays import Array, Floats, Ints
+from hsr.gl.drawing import depth_of_window
+from hsr.models.llvmpipe import driver
+from hsr.models.rounded import tessellation
+from hsr.models.stages import Cause, Pipeline, Stage
+from hsr.problem.map import BACKGROUND
+from hsr.problem.view import View
+
+
+@lru_cache(maxsize=1)
+def predicted(view: View, options: Options) -> tuple[Ints, Floats]:
+    """Predict faces and depths (H, W) of the driver."""
+    prediction = driver.predict(view, driver=driver.Driver(depth=options.buffer))
+    depth = np.full(prediction.face.shape, np.inf)
+    drawn = prediction.face != BACKGROUND
+    depth[drawn] = depth_of_window(view, prediction.window[drawn], options.buffer.reversed)
+    return prediction.face, depth
+
+
+def _up_to(stage: driver.Stage) -> Callable[[View, Options, Array], Ints]:
+    def faces(view: View, options: Options, samples: Array) -> Ints:
+        if stage == driver.Stage.DEPTH_FORMAT:
+            face, _ = predicted(view, options)
+        else:
+            face = driver.predict(view, stage, driver.Driver(depth=options.buffer)).face
+        return np.asarray(face.ravel()[samples])
+
+    return faces
+
+
+PIPELINE = Pipeline(
+    (
+        Stage(Cause.TESSELLATION, tessellation),
+        *(Stage(Cause[stage.name], _up_to(stage)) for stage in driver.Stage),
+    ),
+    predicted,
+)

@@ -1,0 +1,115 @@
+"""The ray caster, stage by stage.
+
+==============  ==============================================================================
+Stage           Model: the exact answer
+==============  ==============================================================================
+input rounding  with float32, for the vertices in object space, rounded to it
+transform       on the screen, for the objects carried there by their matrices, as rounded; of
+                meshes the vertices, as rounded (with tiles, of all planar shapes)
+traversal       the same, but where the plain object list gives another answer than the method,
+                the method's
+intersector     (the method itself)
+==============  ==============================================================================
+
+Certified tiles have no error. Left alone, they round clip coordinates; what they pass by is proven to show
+nothing, so that traversal brings in no error, and all else, rounding depths to keys included, is the
+intersector's.
+
+Single rays meet generic shapes in object space, as they do meshes unless triangles are tested on
+the screen. The rounding of the rays there counts as the intersector's, as does that of near and far. The
+last model is the method run once more: that it shows the same proves that the method does not depend on
+chance, and the other models say at which stage it leaves the truth.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from hsr.algorithms.prepare.ray_tiles import clip_matrices
+from hsr.algorithms.raycast import Options, as_float32, cast_by_list, render, screen_matrices
+from hsr.base.arrays import Array, Floats, Ints
+from hsr.models.rounded import seen_along_third, true_faces
+from hsr.models.stages import Cause, Pipeline, Stage, rerun
+from hsr.problem.view import Placement, View
+from hsr.scene.shapes import Kind
+
+
+def _on_screen(view: View) -> View:
+    """Return the view of the objects on the screen: (X, Y, depth), X and Y as in ``bounds.corner_of``."""
+    width, height = float(view.width), float(view.height)
+    x_row, y_row = [2.0 * height, 0.0, 0.0, 0.0], [0.0, -2.0 * width, 0.0, 0.0]
+    seen = seen_along_third(view, x_row, y_row, width * height)
+    placed = zip(view.placements, screen_matrices(view), strict=True)
+    return replace(seen, placements=tuple(_carried(p, m, p.shape.kind == Kind.MESH) for p, m in placed))
+
+
+def _in_clip_space(view: View) -> View:
+    """Return the view of the objects in clip space: (x, y, depth), for tiles of rays."""
+    seen = seen_along_third(view, [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], 1.0)
+    placed = zip(view.placements, clip_matrices(view), strict=True)
+    return replace(seen, placements=tuple(_carried(p, m, not p.shape.curved) for p, m in placed))
+
+
+def _carried(placement: Placement, matrix: Floats, by_vertices: bool) -> Placement:
+    """Carry an object by a matrix (3, 4) as it is, or its vertices, each rounded."""
+    polygons = placement.shape.polygons
+    if polygons is None or not by_vertices:
+        return replace(placement, world_from_object=np.vstack([matrix, [0.0, 0.0, 0.0, 1.0]]))
+    x, y, z = polygons.vertices.T[:, :, None]
+    # The order of the sum is that of the method.
+    corners = matrix[:, 0] * x + matrix[:, 1] * y + matrix[:, 2] * z + matrix[:, 3]
+    shape = replace(placement.shape, polygons=replace(polygons, vertices=corners))
+    return replace(placement, shape=shape, world_from_object=np.eye(4))
+
+
+def input_rounding(view: View, options: Options, samples: Array) -> Ints:
+    """Model the rounding of vertices to float32, if that is the arithmetic."""
+    if options.arithmetic == "float32":
+        view = replace(view, placements=tuple(_rounded(placement) for placement in view.placements))
+    return true_faces(view)[samples]
+
+
+def _rounded(placement: Placement) -> Placement:
+    polygons = placement.shape.polygons
+    if polygons is None:
+        return placement
+    vertices = as_float32(polygons.vertices).astype(np.float64)
+    return replace(placement, shape=replace(placement.shape, polygons=replace(polygons, vertices=vertices)))
+
+
+def transform(view: View, options: Options, samples: Array) -> Ints:
+    """Model the rounding of the composed matrices and of projected vertices."""
+    if options.acceleration == "tiles":
+        return true_faces(_in_clip_space(view))[samples]
+    if options.test != "screen":
+        return input_rounding(view, options, samples)
+    return true_faces(_on_screen(view))[samples]
+
+
+def traversal(view: View, options: Options, samples: Array) -> Ints:
+    """Model what the traversal of the objects may have left out."""
+    if options.acceleration == "tiles":
+        return transform(view, options, samples)
+    own = intersector(view, options, samples)
+    return np.where(cast_by_list(view, options, samples) == own, transform(view, options, samples), own)
+
+
+rendered = rerun(render)
+
+
+def intersector(view: View, options: Options, samples: Array) -> Ints:
+    """Run the method: the tests of rays with faces, and the comparison of their hits."""
+    return rendered(view, options)[0].ravel()[samples]
+
+
+PIPELINE = Pipeline(
+    (
+        Stage(Cause.INPUT_ROUNDING, input_rounding),
+        Stage(Cause.TRANSFORM, transform),
+        Stage(Cause.TRAVERSAL, traversal),
+        Stage(Cause.INTERSECTOR, intersector),
+    ),
+    rendered,
+)

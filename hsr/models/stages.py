@@ -1,0 +1,83 @@
+"""What a model of a pipeline consists of, and the causes it can name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+from hsr.base.arrays import Array, Floats, Ints
+from hsr.problem.map import VisibilityMap
+from hsr.problem.view import View
+
+
+class Cause(IntEnum):
+    """Why a sample is wrong: the stage of the method's pipeline that makes it so."""
+
+    NONE = 0
+    TESSELLATION = 1
+    INPUT_ROUNDING = 2
+    TRANSFORM = 3
+    CLIPPING = 4
+    VERTEX_SNAPPING = 5
+    FILL_RULE = 6
+    DEPTH_ARITHMETIC = 7
+    DEPTH_FORMAT = 8
+    TRAVERSAL = 9
+    INTERSECTOR = 10
+    NO_DEPTH_TEST = 11
+    UNEXPLAINED = 12
+
+    @property
+    def label(self) -> str:
+        """The name as people read it: ``fill rule``."""
+        return self.name.lower().replace("_", " ")
+
+
+class Stage(NamedTuple):
+    """One stage of a pipeline, and the model that works like the method up to and with it.
+
+    Attributes
+    ----------
+    cause : Cause
+        What a sample's error is put down to if this stage brings it in.
+    faces : callable
+        From the view, the method's options and samples (n,), numbered ``row * W + column``, to
+        the face ids (n,) int32 that the model shows there.
+    """
+
+    cause: Cause
+    faces: Callable[[View, Any, Array], Ints]
+
+
+@dataclass(frozen=True)
+class Pipeline:
+    """The models of a method, each one stage deeper than the one before.
+
+    Attributes
+    ----------
+    stages : tuple of Stage
+        The last works like the method from end to end.
+    whole : callable or None
+        From the view and the options to the face (H, W) and depth (H, W) of the last model; None if
+        that can only be asked for single samples.
+    """
+
+    stages: tuple[Stage, ...]
+    whole: Callable[[View, Any], tuple[Ints, Floats]] | None
+
+
+def rerun(render: Callable[[View, Any], VisibilityMap]) -> Callable[[View, Any], tuple[Ints, Floats]]:
+    """Return the last model of a method: the method run again, for its faces and depths (H, W).
+
+    The last answer is kept for the next question about the same view.
+    """
+
+    @lru_cache(maxsize=1)
+    def rendered(view: View, options: Any) -> tuple[Ints, Floats]:
+        again = render(view, options)
+        return again.face, again.depth
+
+    return rendered

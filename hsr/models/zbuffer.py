@@ -1,0 +1,72 @@
+"""The depth buffer of half-space tests, stage by stage.
+
+Certified, it has no error but the tessellation. Left alone, it rounds world points and clip coordinates as
+:mod:`hsr.models.scanline` does in float64. The fill rule is modelled by the triangles that it
+draws itself. Its depths are rounded to keys while they are computed, so that their arithmetic and their
+format are one stage: the method itself, run once more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from hsr.algorithms import scanline
+from hsr.algorithms.zbuffer import Options, clustered, draw, eye_of, mesh_of, render
+from hsr.base.arrays import Array, Ints
+from hsr.kernels.projection import clip_rows
+from hsr.models import scanline as scanned
+from hsr.models.rounded import tessellation
+from hsr.models.stages import Cause, Pipeline, Stage, rerun
+from hsr.problem.map import BACKGROUND
+from hsr.problem.view import View
+
+FLOAT64 = scanline.Options()
+
+Model = Callable[[View, scanline.Options, Array], Ints]
+
+
+def _shared(model: Model) -> Callable[[View, Options, Array], Ints]:
+    """Make a model of the depth buffer in float64 one of this method."""
+    return lambda view, _, samples: model(view, FLOAT64, samples)
+
+
+def fill_rule(view: View, options: Options, samples: Array) -> Ints:  # noqa: ARG001
+    """Model the coverage: of the polygons that the method draws at a sample, the nearest."""
+    view = view.tessellated()
+    polygons = scanned.on_screen(view, FLOAT64)
+    layers = scanned.layers_of(view, polygons, samples)
+    return scanned.nearest_drawn(view, polygons, _drawn(view, layers), samples)
+
+
+def _drawn(view: View, layers: list[list[int]]) -> Iterator[Ints]:
+    """Rasterise each layer by itself, and yield which polygon (H, W) is drawn at each sample."""
+    rows, polygon = clip_rows(view.clip_from_world, view.depth_row), view.polygons.triangle_polygon
+    eye = eye_of(view, mesh_of(view), rows)
+    for layer in layers:
+        alone = clustered(view, np.flatnonzero(np.isin(polygon, layer)), polygon)
+        size = (view.height, view.width)
+        answer = np.full(size, BACKGROUND, np.int32), np.full(size, np.inf)
+        draw(view, alone, rows, eye, np.empty((alone.vertices.shape[1], 4)), False, answer)
+        yield answer[0]
+
+
+rendered = rerun(render)
+
+
+def depth_format(view: View, options: Options, samples: Array) -> Ints:
+    """Run the method: its depths, rounded to keys."""
+    return rendered(view, options)[0].ravel()[samples]
+
+
+PIPELINE = Pipeline(
+    (
+        Stage(Cause.TESSELLATION, tessellation),
+        Stage(Cause.INPUT_ROUNDING, _shared(scanned.input_rounding)),
+        Stage(Cause.TRANSFORM, _shared(scanned.transform)),
+        Stage(Cause.FILL_RULE, fill_rule),
+        Stage(Cause.DEPTH_FORMAT, depth_format),
+    ),
+    rendered,
+)

@@ -1,0 +1,107 @@
+"""The page of a test run: every check, failed first, with what to inspect and what to decide."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+from hsr.base.files import write_whole
+from hsr.pages.inspection import Shown, inspection, key
+from hsr.pages.page import HELP, part, policy, style, templates
+from hsr.pages.pictures import class_picture, data_uri, opaque
+from hsr.pages.shading import face_picture, shade
+
+DIGITS = 50_000
+"""How many digits the histories of a failed check may have: 20 kB and half a second, however many fail."""
+
+
+def write_page(
+    checks: Iterable[tuple[str, Mapping[str, Any]]], run: str, unused: Sequence[str], path: Path
+) -> None:
+    """Write the page of a test run as one HTML file that needs no network.
+
+    Parameters
+    ----------
+    checks : iterable of (str, mapping)
+        Name of the test, and the check as the results tell it; files are seen from the folder of ``path``.
+    run : str
+        Tells the run from others, for the decisions that are made on the page.
+    unused : sequence of str
+        Baselines that no test used.
+    path : Path
+
+    Raises
+    ------
+    HsrError
+        If the page cannot be written.
+    """
+    shown: list[dict[str, Any]] = []
+    data: list[dict[str, Any]] = []
+    for test, check in checks:
+        found: dict[str, Any] = {
+            **check,
+            "test": test,
+            "thumbs": [],
+            "pictures": _pictures(check, path.parent),
+        }
+        if check["inspection"]:
+            kept = json.loads((path.parent / check["inspection"]).read_text(encoding="utf-8"))
+            found |= {"thumbs": kept["thumbs"], "scene": len(data)}
+            data.append(kept["scene"])
+        shown.append(found)
+    sheet, scripts = style("inspector.css", "checks.css"), (part("viewer.js"), part("decisions.js"))
+    text = (
+        templates()
+        .get_template("checks.html")
+        .render(
+            title="Visibility checks",
+            checks=shown,
+            failed=[check for check in shown if not check["passed"]],
+            passed=[check for check in shown if check["passed"]],
+            run=run,
+            unused=unused,
+            help=HELP,
+            key=key() if data else None,
+            data=data,
+            style=sheet,
+            scripts=scripts,
+            policy=policy(sheet, *scripts),
+        )
+    )
+    write_whole(path, text, "the page")
+
+
+def inspected(shown: Shown) -> dict[str, Any]:
+    """Gather what the page keeps of the maps of a failed check, for :func:`write_page`.
+
+    Parameters
+    ----------
+    shown : Shown
+        By the key of the check.
+
+    Returns
+    -------
+    dict
+        JSON values: ``scene``, for the inspector; ``thumbs``, small pictures that lead to it, each the name
+        of its map, what it shows, and its data URI. The first is what the inspector calls the picture.
+    """
+    base = shown.reference or next(iter(shown.maps))
+    map = shown.maps[base]
+    picture = face_picture(map) if shown.view is None else shade(map, shown.view)
+    thumbs = [(base, "faces" if shown.view is None else "picture", data_uri(opaque(picture)))]
+    for name, difference in shown.differences.items():
+        thumbs.append((name, "where it differs", data_uri(class_picture(difference))))
+    return {"scene": inspection(shown, DIGITS), "thumbs": thumbs}
+
+
+def _pictures(check: Mapping[str, Any], folder: Path) -> list[tuple[str, str]]:
+    """Return the pictures that a weaker check compared: what each is, and its data URI."""
+    if not check["weaker"] or check["passed"]:
+        return []
+    files = {what: folder / check[what] for what in ("expected", "shown")}
+    return [(what, data_uri(opaque(np.asarray(Image.open(file))))) for what, file in files.items()]

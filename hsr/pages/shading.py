@@ -1,0 +1,286 @@
+"""From a visibility map to the pictures a person looks at, by one code for every method."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+from matplotlib.colors import hsv_to_rgb
+from PIL import Image
+
+from hsr.base.arrays import Array, Floats, Ints, Pixels
+from hsr.base.errors import HsrError
+from hsr.base.files import write_whole
+from hsr.problem.map import BACKGROUND, VisibilityMap
+from hsr.problem.view import Placement, View
+from hsr.scene.model import Ambient, Directional, Light
+from hsr.scene.shapes import Kind, Polygons
+
+NEUTRAL = 236
+"""Grey of the background in a picture of faces, which no face is painted with."""
+
+PLASTIC = 1.324717957244746
+"""The plastic number, the real root of x^3 = x + 1."""
+
+# ---------------------------------------------------------------- shaded picture
+
+
+def shade(map: VisibilityMap, view: View) -> Pixels:
+    """Paint what a map shows: Lambert's law for the scene's lights, no shadows.
+
+    Every sample lies on its ray at the depth of the map. Normals are those of the scene's own
+    shapes, exact on spheres and cylinders whatever the method put in their place, and turned toward
+    the eye. The light that reaches the eye is ``c (sum of ambient + sum of light max(0, n . l))``
+    with l the unit vector toward a directional or point light, which distance does not weaken.
+    A scene without lights is painted by the facing ratio: ``c (n . v)``, v toward the eye.
+
+    Object and background colours are taken as sRGB, as a person writes them; light is summed in
+    linear intensities and encoded as sRGB. Light 1 on a face gives its colour as written. Only what
+    occurs in the map is computed, so a million hidden faces cost nothing.
+
+    Parameters
+    ----------
+    map : VisibilityMap
+    view : View
+        The view that was rendered, with its curved shapes (not its tessellation).
+
+    Returns
+    -------
+    (H, W, 3) uint8
+        sRGB, row 0 at the top.
+
+    Raises
+    ------
+    HsrError
+        If map and view differ in size.
+    """
+    if map.face.shape != (view.height, view.width):
+        raise HsrError(f"cannot shade a {map.width}x{map.height} map with a {view.width}x{view.height} view")
+    picture = np.empty((view.height, view.width, 3), dtype=np.float64)
+    picture[:] = view.background
+    rows, columns = np.nonzero(map.face != BACKGROUND)
+    if len(rows):
+        face = map.face[rows, columns]
+        point, sight = _points(view, rows, columns, map.depth[rows, columns])
+        normal, colour = _surface(view, face, point)
+        normal[_dot(normal, sight) > 0.0] *= -1.0
+        intensity = _light(view.lights, point, normal, sight)
+        picture[rows, columns] = _encode(_decode(colour) * intensity)
+    return _bytes(picture)
+
+
+def facing(map: VisibilityMap, view: View) -> Array:
+    """Tell whether each sample shows the front or the back of its face.
+
+    The front is the side that the outward normal points to, taken where the face is seen: of spheres and
+    cylinders both sides can be. Computed with rounding, for pictures.
+
+    Parameters
+    ----------
+    map : VisibilityMap
+    view : View
+        The view that was rendered, with its curved shapes.
+
+    Returns
+    -------
+    (H, W) int8
+        1 for the front, -1 for the back, 0 for the background.
+    """
+    facing = np.zeros(map.face.shape, dtype=np.int8)
+    rows, columns = np.nonzero(map.face != BACKGROUND)
+    if len(rows):
+        point, sight = _points(view, rows, columns, map.depth[rows, columns])
+        normal, _ = _surface(view, map.face[rows, columns], point)
+        facing[rows, columns] = np.where(_dot(normal, sight) < 0.0, 1, -1)
+    return facing
+
+
+def _points(view: View, rows: Array, columns: Array, depth: Floats) -> tuple[Floats, Floats]:
+    """World point (n, 3) of each sample, and the unit direction (n, 3) in which the eye sees it."""
+    x = (2 * columns + 1) / view.width - 1.0
+    y = 1.0 - (2 * rows + 1) / view.height
+    ndc = np.stack([np.ones_like(x), x, y], axis=1)
+    origin, direction = ndc @ view.rays.origin.T, ndc @ view.rays.direction.T
+    return origin + depth[:, None] * direction, _unit(direction)
+
+
+def _surface(view: View, face: Ints, point: Floats) -> tuple[Floats, Floats]:
+    """Return outward unit normals (n, 3) in world space, and colours (n, 3)."""
+    normal, colour = np.empty_like(point), np.empty_like(point)
+    owner = view.object_of(face)
+    by_object = np.argsort(owner, kind="stable")
+    starts = np.flatnonzero(np.diff(owner[by_object])) + 1
+    for samples in np.split(by_object, starts):
+        placement = view.placements[owner[samples[0]]]
+        normal[samples] = _normals(placement, face[samples] - placement.first, point[samples])
+        colour[samples] = placement.colour
+    return normal, colour
+
+
+def _normals(placement: Placement, face: Ints, point: Floats) -> Floats:
+    """Return outward unit normals (n, 3) in world space, carried there by the inverse transpose."""
+    inverse = np.linalg.inv(placement.world_from_object[:3, :3])
+    shape = placement.shape
+    if shape.polygons is not None:
+        seen, which = np.unique(face, return_inverse=True)
+        polygon = np.searchsorted(shape.polygons.face, seen)
+        return _unit(_newell(shape.polygons, polygon) @ inverse)[which]
+    local = (point - placement.world_from_object[:3, 3]) @ inverse.T
+    if shape.kind == Kind.CYLINDER:
+        # The side points away from the axis, the base down along it and the cap up.
+        flat = np.where(face == 1, -1.0, 1.0)[:, None] * [0.0, 0.0, 1.0]
+        local = np.where((face == 0)[:, None], local * [1.0, 1.0, 0.0], flat)
+    return _unit(local @ inverse)
+
+
+def _newell(polygons: Polygons, chosen: Array) -> Floats:
+    """Return normals (n, 3) of some polygons by Newell's method, in object space, of any length."""
+    start = polygons.start[chosen]
+    sides = polygons.start[chosen + 1] - start
+    first = np.cumsum(sides) - sides  # where each polygon's corners begin among all those chosen
+    side = np.arange(sides.sum()) - np.repeat(first, sides)
+    following = (side + 1) % np.repeat(sides, sides)
+
+    def corners(k: Array) -> Floats:
+        return polygons.vertices[polygons.corner[np.repeat(start, sides) + k]]
+
+    origin = corners(np.zeros_like(side))  # relative to a corner, or far polygons would lose digits
+    return np.add.reduceat(np.cross(corners(side) - origin, corners(following) - origin), first)
+
+
+def _light(lights: Sequence[Light], point: Floats, normal: Floats, sight: Floats) -> Floats:
+    """Linear intensity (n, 3) that each sample sends to the eye, for a white surface."""
+    if not lights:
+        return np.repeat(-_dot(normal, sight)[:, None], 3, axis=1)
+    total = np.zeros_like(point)
+    for light in lights:
+        if isinstance(light, Ambient):
+            total += light.colour
+            continue
+        if isinstance(light, Directional):
+            toward = -_unit(np.array([light.direction]))
+        else:
+            toward = _unit(np.array(light.position) - point)
+        total += np.maximum(_dot(normal, toward), 0.0)[:, None] * light.colour
+    return total
+
+
+def _dot(a: Floats, b: Floats) -> Floats:
+    product: Floats = np.sum(a * b, axis=-1)
+    return product
+
+
+def _unit(vectors: Floats) -> Floats:
+    """Vectors of length 1; a vector of length 0 (a degenerate face) stays as it is."""
+    # Scaled to about 1 first: the squares of large and small numbers leave the range of float64.
+    largest = np.abs(vectors).max(axis=-1, keepdims=True)
+    scaled = np.divide(vectors, largest, out=np.zeros_like(vectors), where=largest > 0.0)
+    length = np.linalg.norm(scaled, axis=-1, keepdims=True)
+    unit: Floats = np.divide(scaled, length, out=scaled, where=length > 0.0)
+    return unit
+
+
+def _decode(srgb: Floats) -> Floats:
+    """Linear intensities of sRGB values (IEC 61966-2-1)."""
+    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+
+
+def _encode(linear: Floats) -> Floats:
+    """Return the sRGB values of linear intensities, those above 1 cut off (IEC 61966-2-1)."""
+    linear = np.minimum(linear, 1.0)
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1.0 / 2.4) - 0.055)
+
+
+def _bytes(values: Floats) -> Pixels:
+    return np.rint(255.0 * values).astype(np.uint8)
+
+
+# ---------------------------------------------------------------- pictures of the map itself
+
+
+def face_colours(face: Array) -> Pixels:
+    """Colour of each face id, such that ids near each other look unlike.
+
+    Neighbouring faces mostly have ids that differ by little, or by the length of a mesh's row. Hue
+    and brightness follow the additive recurrence of the plastic number in two dimensions: like the
+    golden angle in one, it keeps any k multiples in a row about as far apart as k points can be. A
+    golden angle alone would paint ids 13 or 21 apart almost alike. The background is a neutral grey.
+
+    Parameters
+    ----------
+    face : (n,) int
+        ``-1`` is the background.
+
+    Returns
+    -------
+    (n, 3) uint8
+        sRGB.
+    """
+    hue = face / PLASTIC**2 % 1.0
+    value = 0.55 + 0.4 * (face / PLASTIC % 1.0)
+    colours = _bytes(hsv_to_rgb(np.stack([hue, np.full_like(hue, 0.5), value], axis=-1)))
+    return np.where((face == BACKGROUND)[:, None], np.uint8(NEUTRAL), colours)
+
+
+def face_picture(map: VisibilityMap) -> Pixels:
+    """Paint every face in a colour of its own; see :func:`face_colours`.
+
+    Parameters
+    ----------
+    map : VisibilityMap
+
+    Returns
+    -------
+    (H, W, 3) uint8
+        sRGB, row 0 at the top.
+    """
+    seen, which = np.unique(map.face, return_inverse=True)
+    return face_colours(seen)[which.reshape(map.face.shape)]
+
+
+def depth_picture(map: VisibilityMap, span: tuple[float, float] | None = None) -> Pixels:
+    """Paint depths as greys: the nearest light, the farthest dark, the background black.
+
+    Parameters
+    ----------
+    map : VisibilityMap
+    span : (nearest, farthest), optional
+        Depths in scene units that become the lightest and the darkest grey; by default those of
+        the map (:func:`depth_span`). Give one span to pictures that are to be compared.
+
+    Returns
+    -------
+    (H, W) uint8
+        Grey, row 0 at the top.
+    """
+    nearest, farthest = span or depth_span(map)
+    seen = np.isfinite(map.depth)
+    extent = max(farthest - nearest, np.finfo(np.float64).tiny)
+    share = np.clip((np.where(seen, map.depth, farthest) - nearest) / extent, 0.0, 1.0)
+    return np.where(seen, _bytes(0.95 - 0.75 * share), np.uint8(0))
+
+
+def depth_span(map: VisibilityMap) -> tuple[float, float]:
+    """Return the least and the greatest finite depth, in scene units; (0, 1) for an empty map."""
+    seen = map.depth[np.isfinite(map.depth)]
+    return (float(seen.min()), float(seen.max())) if len(seen) else (0.0, 1.0)
+
+
+def save_picture(picture: Pixels, path: str | Path) -> None:
+    """Write a picture as PNG.
+
+    Parameters
+    ----------
+    picture : (H, W) or (H, W, 3) uint8
+    path : str or Path
+
+    Raises
+    ------
+    HsrError
+        If the file cannot be written.
+    """
+    file = BytesIO()
+    Image.fromarray(picture).save(file, format="PNG", optimize=True)
+    write_whole(path, file.getvalue(), "the picture")

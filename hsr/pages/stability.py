@@ -1,0 +1,75 @@
+"""The page of the stability lab: every family, its chart, and the matrix of verdicts."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from markupsafe import Markup, escape
+
+from hsr.base.files import make_folder, write_whole
+from hsr.lab.stability.family import GROUPS
+from hsr.lab.stability.judge import FINE, Result
+from hsr.lab.stability.plots import chart
+from hsr.lab.stability.summary import headline, matrix, number
+from hsr.pages.page import style, templates
+
+
+def write_folder(results: Sequence[Result], folder: Path) -> list[Path]:
+    """Write a page, a chart of every family, and all figures.
+
+    Parameters
+    ----------
+    results : sequence of Result
+    folder : Path
+        Made if it is not there.
+
+    Returns
+    -------
+    list of Path
+        ``index.html``, ``results.json`` with every point, ``matrix.json`` without, and ``FAMILY.svg``
+        of every family.
+
+    Raises
+    ------
+    HsrError
+        If the folder or a file cannot be written.
+    """
+    make_folder(folder)
+    charts = {result.family.name: chart(result) for result in results}
+    written = {
+        "index.html": page(results, charts),
+        "results.json": json.dumps({"hsr": 1, "families": [r.to_json() for r in results]}, indent=1) + "\n",
+        "matrix.json": json.dumps(matrix(results), indent=1) + "\n",
+    } | {f"{name}.svg": svg for name, svg in charts.items()}
+    for name, text in written.items():
+        write_whole(folder / name, text, "the stability report")
+    return [folder / name for name in written]
+
+
+def page(results: Sequence[Result], charts: dict[str, str]) -> str:
+    """Return the page as HTML that needs no network.
+
+    Parameters
+    ----------
+    results : sequence of Result
+    charts : dict of str to str
+        SVG documents by family.
+    """
+    environment = templates()
+    environment.filters |= {"number": number, "raised": raised}
+    return environment.get_template("stability.html").render(
+        results=results,
+        groups=GROUPS,
+        headline=headline(matrix(results)["families"]),
+        fine=FINE,
+        charts={name: Markup(svg[svg.index("<svg") :]) for name, svg in charts.items()},
+        style=style("stability.css"),
+    )
+
+
+def raised(formula: str) -> Markup:
+    """Write the powers of a formula, as in ``2^-24`` and ``2^(b+1)``, as HTML does."""
+    return Markup(re.sub(r"\^(-?\w+(?:\.\d+)?|-?\([^)]*\))", r"<sup>\1</sup>", str(escape(formula))))

@@ -1,0 +1,1 @@
+"""The exact problem and its answers: geometry, view, map."""

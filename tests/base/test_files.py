@@ -1,0 +1,40 @@
+"""Files are written whole, or not at all."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from hsr.base.errors import HsrError, MapError
+from hsr.base.files import write_whole
+
+
+def test_text_and_bytes(tmp_path: Path) -> None:
+    write_whole(tmp_path / "a", "zwölf", "the file")
+    assert (tmp_path / "a").read_bytes() == "zwölf".encode()
+    write_whole(tmp_path / "a", b"\x00\xff", "the file")
+    assert (tmp_path / "a").read_bytes() == b"\x00\xff"
+    assert [path.name for path in tmp_path.iterdir()] == ["a"]
+
+
+def test_a_full_disk_leaves_what_was_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "a").write_text("old", encoding="utf-8")
+
+    def full_disk(path: Path, data: bytes) -> Any:
+        with path.open("wb") as file:
+            file.write(data[:1])
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "write_bytes", full_disk)
+        with pytest.raises(MapError, match="a: cannot write the map: No space left on device"):
+            write_whole(tmp_path / "a", "new", "the map", MapError)
+    assert (tmp_path / "a").read_text(encoding="utf-8") == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["a"]
+
+
+def test_no_such_folder(tmp_path: Path) -> None:
+    with pytest.raises(HsrError, match="cannot write the picture: No such file or directory"):
+        write_whole(tmp_path / "none" / "a.png", b"", "the picture")

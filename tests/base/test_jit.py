@@ -1,0 +1,64 @@
+"""The decorators, and the care for their cache."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from hsr.base.jit import forget_stale_kernels, jit, parallel_jit, prange
+
+
+@jit
+def difference_of_products(a: float, b: float, c: float, d: float) -> float:
+    return a * b - c * d
+
+
+@jit
+def quotient(a: float, b: float) -> float:
+    return a / b
+
+
+@parallel_jit
+def doubled(values: np.ndarray) -> np.ndarray:
+    result = np.empty_like(values)
+    for i in prange(len(values)):
+        result[i] = 2.0 * values[i]
+    return result
+
+
+def test_products_are_rounded_before_they_are_subtracted() -> None:
+    # A fused operation would leave the rounding error of the other product: 2**-54.
+    x = 1.0 + 2.0**-27
+    assert difference_of_products(x, x, x, x) == 0.0
+
+
+def test_division_by_zero_is_infinite() -> None:
+    with np.errstate(divide="ignore"):
+        assert quotient(np.float64(1.0), np.float64(0.0)) == np.inf
+
+
+def test_parallel_loops() -> None:
+    assert doubled(np.arange(5.0)).tolist() == [0.0, 2.0, 4.0, 6.0, 8.0]
+
+
+def test_a_changed_source_drops_all_cached_kernels(tmp_path: Path) -> None:
+    source = tmp_path / "kernels" / "edges.py"
+    cached = tmp_path / "kernels" / "__pycache__" / "scan.line-12.py311.1.nbc"
+    cached.parent.mkdir(parents=True)
+    source.write_text("BOUND = 1\n", encoding="utf-8")
+    cached.write_bytes(b"compiled")
+    forget_stale_kernels(tmp_path)
+    assert not cached.exists()  # compiled nobody knows from what
+    cached.write_bytes(b"compiled")
+    forget_stale_kernels(tmp_path)
+    assert cached.exists()
+    source.write_text("BOUND = 2\n", encoding="utf-8")
+    forget_stale_kernels(tmp_path)
+    assert not cached.exists()
+
+
+def test_a_folder_that_cannot_be_written_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "kernels").mkdir()
+    (tmp_path / "kernels" / "__pycache__").write_text("a file in the way", encoding="utf-8")
+    forget_stale_kernels(tmp_path)

@@ -1,0 +1,126 @@
+"""What a run publishes: tables, CSV, pictures and the page."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from vl_convert import javascript_bundle
+
+from hsr.base.errors import HsrError
+from hsr.lab.metrics import METRICS
+from hsr.lab.publish import (
+    HEAD,
+    as_markdown,
+    conditions,
+    make_folder,
+    panels,
+    publish,
+    table,
+    to_csv,
+    to_html,
+    to_markdown,
+    to_svg,
+)
+from hsr.lab.results import load_results
+from tests.lab.made_up import results, row
+
+RUN = results(
+    row("opengl", [0.004, 0.005, 0.006], wrong=30, threads=1, driver="a pen"),
+    row("zbuffer", [0.001, 0.002, 0.003]),
+    row("embree", absent="needs <embreex> & more"),
+)
+
+
+def test_the_best_come_first_and_the_absent_last() -> None:
+    lines = [dict(zip(HEAD, cells, strict=True)) for cells in table(RUN.rows)]
+    assert [(line["rank"], line["method"]) for line in lines] == [
+        ("1", "zbuffer"),
+        ("2", "opengl"),
+        ("", "embree"),
+    ]
+    assert lines[1]["dominated by"] == "zbuffer" and lines[1]["why"] == "vertex snapping 30"
+    assert lines[1]["render [ms]"] == "5" and lines[1]["wrong"] == "30" and lines[1]["build [ms]"] == ""
+    assert lines[2]["why"] == "needs <embreex> & more"
+
+
+def test_many_dominators_are_counted() -> None:
+    rows = [row(f"m{k}", [0.001 * (k + 1)] * 3) for k in range(5)]
+    assert [cells[-1] for cells in table(rows)] == [
+        "",
+        "m0",
+        "m0, m1",
+        "m0, m1 and 1 more",
+        "m0, m1 and 2 more",
+    ]
+
+
+def test_csv_has_a_line_a_row_and_every_metric() -> None:
+    lines = list(csv.DictReader(io.StringIO(to_csv(RUN))))
+    assert [line["id"] for line in lines] == [made.id for made in RUN.rows]
+    assert {metric.title for metric in METRICS} <= lines[0].keys()
+    assert lines[0]["render [ms]"] == "5.0" and lines[0]["rank"] == "2"
+    assert (
+        lines[2]["absent"] == "needs <embreex> & more" and lines[2]["render [ms]"] == lines[2]["rank"] == ""
+    )
+
+
+def test_markdown_tables() -> None:
+    assert as_markdown(("a", "b"), [("x|y", "1")], ("b",)) == "| a | b |\n|---|---:|\n| x\\|y | 1 |"
+    assert "**box, 12 triangles, 64x64**" in to_markdown(RUN)
+
+
+def test_conditions_tell_what_makes_times_doubtful() -> None:
+    told = conditions(RUN)
+    assert "2 threads of 2 processors (Slide Rule), 2026-01-02, commit abc1234" in told
+    assert "a pen" in told and "One thread only: opengl." in told
+    assert "up to 0.00 processors busy" in told
+
+
+def test_every_mark_is_a_row() -> None:
+    (panel,) = panels(RUN)
+    assert [mark.row for mark in panel.marks] == [made.id for made in RUN.rows if not made.absent]
+    assert [mark.frontier for mark in panel.marks] == [False, True]
+    assert panel.notes == ["embree: needs <embreex> & more"]
+
+
+def test_the_picture_is_svg_and_always_the_same() -> None:
+    text = to_svg(RUN)
+    assert ElementTree.fromstring(text).tag.endswith("svg")
+    assert text == to_svg(RUN) and not re.search(r"\d{4}-\d{2}-\d{2}T", text)
+
+
+def test_the_page_needs_no_network_and_tells_the_row() -> None:
+    text = to_html(RUN).replace(javascript_bundle("window.vegaEmbed = vegaEmbed;"), "")
+    assert len(text) < 100_000, "the libraries are in the page, and cut out here"
+    assert not re.search(r"""<(script|link|img)[^>]+(src|href)=""", text)
+    spec = json.loads(re.search(r'vegaEmbed\("#chart", (\{.*\}), \{ actions', text)[1])  # type: ignore[index]
+    assert RUN.rows[0].id in json.dumps(spec)
+    assert "needs &lt;embreex&gt; &amp; more" in text
+
+
+def test_all_is_written_under_one_name(tmp_path: Path) -> None:
+    files = publish(RUN, tmp_path / "new")
+    stem = "speed-slide-rule-2-abc1234"
+    assert [file.name for file in files] == [
+        f"{stem}.{ending}" for ending in ("json", "csv", "md", "svg", "html")
+    ]
+    assert load_results(files[0]) == RUN
+    growing = results(*(row("zbuffer", scene=f"copies-{n}", series="copies") for n in (1, 4, 16)))
+    assert [file.suffix for file in publish(growing, tmp_path)] == [".json", ".csv", ".md", ".svg"]
+
+
+def test_a_folder_that_cannot_be_made(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    for folder in (tmp_path / "file", tmp_path / "no" / "such"):
+        with pytest.raises(HsrError, match=r"cannot write results there: .*; choose another -o"):
+            make_folder(folder)
+
+
+def test_a_run_without_figures_can_be_published(tmp_path: Path) -> None:
+    assert len(publish(results(row("embree", absent="missing")), tmp_path)) == 5

@@ -1,0 +1,173 @@
+"""What the inspector is given: every map again, and the words of the terminal."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import hsr
+from hsr.base.errors import ViewError
+from hsr.difference.study import Study, study
+from hsr.models.stages import Cause
+from hsr.pages import inspection as module
+from hsr.pages.inspection import CAUSE_LETTERS, CLASS_LETTERS, EMPTY, FARTHEST, inspection, key
+from hsr.pages.outlines import outlines
+from hsr.pages.packing import digits
+from hsr.pages.shading import face_colours
+from tests.pages.unpacking import stories_of, unpack, unpack_json
+
+
+@pytest.fixture(scope="module")
+def told(real: Study) -> Any:
+    return inspection(real)
+
+
+def of_method(scene: Any, number: int) -> dict[str, Any]:
+    """Lay what a method shows differently over the base."""
+    method = scene["methods"][number]
+    samples = np.flatnonzero(np.unpackbits(unpack(method["differs"])))
+    whole: dict[str, Any] = {
+        "classes": np.zeros(scene["size"][::-1], int),
+        "causes": np.zeros(scene["size"][::-1], int),
+    }
+    for name in ("index", "depth"):
+        whole[name] = unpack(scene[name]).copy()
+        whole[name].ravel()[samples] += unpack(method[name])
+    for name in ("classes", "causes"):
+        whole[name].ravel()[samples] = unpack(method[name])
+    return whole
+
+
+def test_every_map_can_be_had_again(told: Any, real: Study) -> None:
+    names = np.array(unpack_json(told["names"]))
+    nearest, farthest = told["span"]
+    for number, (name, map) in enumerate(real.maps.items()):
+        shown = of_method(told, number)
+        assert told["methods"][number]["name"] == name
+        assert names[shown["index"]].ravel().tolist() == [
+            map.name_of(face) for face in map.face.ravel().tolist()
+        ]
+        differs = shown["classes"] > 0
+        expected = np.where(differs, map.depth, real.maps["exact"].depth)
+        seen = np.isfinite(expected)
+        assert np.array_equal(shown["depth"] != EMPTY, seen)
+        depth = nearest + shown["depth"][seen] / FARTHEST * (farthest - nearest)
+        within = np.clip(expected[seen], nearest, farthest)
+        assert depth == pytest.approx(within, abs=(farthest - nearest) / FARTHEST)
+
+
+def test_classes_and_causes_can_be_had_again(told: Any, real: Study) -> None:
+    assert real.causes["scanline-d16"].wrong > 0
+    for number, name in enumerate(real.maps):
+        if name == real.reference:
+            assert told["base"] == number
+            continue
+        shown = of_method(told, number)
+        assert np.array_equal(shown["classes"], real.differences[name].classes)
+        assert np.array_equal(shown["causes"], real.causes[name].cause)
+        boxes = [[*cluster.sample, *cluster.box] for cluster in real.differences[name].clusters]
+        assert told["methods"][number]["clusters"] == boxes
+
+
+def test_colours_are_those_of_faces(told: Any, real: Study) -> None:
+    shown = np.unique(np.concatenate([map.face.ravel() for map in real.maps.values()]))
+    assert np.array_equal(unpack(told["colours"]), face_colours(shown))
+    assert len(unpack(told["sizes"])) == len(shown) - 1
+
+
+def test_stories_are_told_of_samples_that_differ_and_around_them(told: Any, real: Study) -> None:
+    stories = stories_of(told)
+    assert len(stories) == told["wanted"] and not told["untold"]
+    for name, difference in real.differences.items():
+        for cluster in difference.clusters[:5]:
+            row, column = cluster.sample
+            told_of = stories[row * real.view.width + column]
+            assert told_of["sentences"][list(real.maps).index(name)].startswith(f"{name} shows")
+
+
+def test_stories_are_the_histories(told: Any, real: Study) -> None:
+    for sample, parts in list(stories_of(told).items())[::16]:
+        row, column = divmod(sample, real.view.width)
+        assert parts == hsr.history(real.view, row, column, list(real.maps.values())).parts()
+
+
+def test_stories_are_shared_out_when_they_are_cut(real: Study, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "AT_ONCE", 4)
+    found = inspection(real, 1000)
+    stories = stories_of(found)
+    largest = [
+        difference.clusters[0].sample for difference in real.differences.values() if difference.clusters
+    ]
+    assert len(stories) < found["wanted"]
+    assert 1000 <= digits(list(stories.values())) < 1000 + max(map(digits, stories.values()))
+    assert {row * real.view.width + column for row, column in largest} <= stories.keys()
+
+
+def test_neighbours_are_wanted_too(studied: Study) -> None:
+    differs = studied.differences["shifted"].classes > 0
+    around = np.zeros((50, 66), bool)
+    for down in (0, 1, 2):
+        for right in (0, 1, 2):
+            around[down : down + 48, right : right + 64] |= differs
+    assert inspection(studied)["wanted"] == np.count_nonzero(around[1:-1, 1:-1])
+
+
+def test_hidden_edges_are_those_of_faces_in_histories(told: Any, real: Study) -> None:
+    seen = np.unique(real.maps["exact"].face)
+    met = set()
+    for sample in unpack(told["told"]).tolist():
+        row, column = divmod(sample, real.view.width)
+        met |= {entry.layer.face for entry in hsr.history(real.view, row, column, []).entries}
+    for faces, edges in (
+        (seen[seen >= 0], told["edges"]),
+        (np.array(sorted(met - set(seen.tolist()))), told["hidden"]),
+    ):
+        points, ends = outlines(real.view, faces.astype(np.int32))
+        assert len(ends) and np.array_equal(unpack(edges["points"]), points)
+        assert np.array_equal(unpack(edges["ends"]), ends)
+
+
+def test_without_exact_answers_there_are_no_stories(studied: Study, monkeypatch: pytest.MonkeyPatch) -> None:
+    def flattened(*_: Any) -> Any:
+        raise ViewError("it is flat")
+
+    monkeypatch.setattr(module, "Historian", flattened)
+    found = inspection(studied)
+    assert (found["untold"], stories_of(found)) == ("it is flat", {})
+
+
+def test_without_a_reference_the_first_map_is_whole(studied_alone: Study) -> None:
+    found = inspection(studied_alone)
+    assert (found["base"], found["judged"], found["wanted"]) == (0, False, 0)
+    face = studied_alone.maps["reference"].face
+    names = np.array(unpack_json(found["names"]))[of_method(found, 1)["index"]]
+    assert (names == "background").tolist() == (face < 0).tolist()
+
+
+@pytest.mark.jit
+def test_causes_are_known_though_the_truth_is_no_reference(scenes: Any) -> None:
+    loaded = hsr.load(scenes / "cyclic.toml")
+    found = study(loaded, ["backface", "exact"], "zbuffer", (40, 40))
+    assert not found.causes
+    sentences = [
+        sentence for parts in stories_of(inspection(found)).values() for sentence in parts["sentences"]
+    ]
+    assert any("(no depth test)" in sentence for sentence in sentences)
+    assert not any("(unexplained)" in sentence for sentence in sentences)
+
+
+def test_every_sign_has_its_letter_and_colour() -> None:
+    for signs, letters in ((key()["classes"], CLASS_LETTERS), (key()["causes"], CAUSE_LETTERS)):
+        assert len(signs) == len(letters) == len(set(letters))
+        assert len({sign["colour"] for sign in signs[1:]}) == len(signs) - 1
+    assert [sign["label"] for sign in key()["causes"][1:]] == [cause.label for cause in Cause if cause]
+
+
+def test_an_empty_picture_can_be_inspected(studied: Study) -> None:
+    map = studied.maps["reference"]
+    nothing = replace(map, face=np.full_like(map.face, -1), depth=np.full_like(map.depth, np.inf))
+    found = inspection(replace(studied, maps={"reference": nothing}, differences={}))
+    assert unpack_json(found["names"]) == ["background"] and (unpack(found["depth"]) == EMPTY).all()
