@@ -20,9 +20,9 @@ from hsr.algorithms import scanline
 from hsr.base.arrays import Array, Floats
 from hsr.base.errors import MethodError
 from hsr.kernels.clipping import clip_polygons, view_volume
-from hsr.kernels.culling import facing_by_determinant, facing_by_normal, facing_in_ndc
+from hsr.kernels.culling import CULL_BACK, CULL_BOTH, facing_by_determinant, facing_by_normal, facing_in_ndc
 from hsr.kernels.projection import clip_rows, to_clip
-from hsr.kernels.scanline import ALWAYS, CULL_BACK, CULL_BOTH
+from hsr.kernels.scanline import ALWAYS
 from hsr.problem.map import Clock, VisibilityMap
 from hsr.problem.view import View
 

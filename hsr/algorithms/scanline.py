@@ -24,6 +24,7 @@ from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.errors import MethodError
 from hsr.kernels import scanline
 from hsr.kernels.clipping import clip_polygons, view_volume
+from hsr.kernels.culling import CULL_BACK, CULL_BOTH, CULL_FRONT
 from hsr.kernels.projection import clip_rows, to_clip, to_screen
 from hsr.kernels.threads import threads_apart
 from hsr.problem.map import Clock, VisibilityMap
@@ -52,7 +53,7 @@ CHOICES: dict[str, Collection[Any]] = {
 MIRRORED = np.array([1.0, -1.0, 1.0])
 """Turns clip space upside down; negating a number is exact."""
 
-OTHER_SIDE = np.array([0, scanline.CULL_FRONT, scanline.CULL_BACK, scanline.CULL_BOTH], np.int8)
+OTHER_SIDE = np.array([0, CULL_FRONT, CULL_BACK, CULL_BOTH], np.int8)
 """What to cull in a mirrored picture, where counter-clockwise has become clockwise."""
 
 

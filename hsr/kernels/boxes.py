@@ -12,8 +12,8 @@ import numpy as np
 
 from hsr.base.arrays import Floats
 from hsr.base.jit import jit
+from hsr.kernels.vectors import Vector
 
-Vector = tuple[float, float, float]
 Corner = tuple[float, float, float, float]
 """A projected point: column and row in pixels from the image centre times its weight, depth, nearness."""
 

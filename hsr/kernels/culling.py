@@ -18,6 +18,9 @@ import numpy as np
 from hsr.base.arrays import Floats, Ints
 from hsr.base.jit import jit, parallel_jit, prange
 
+CULL_BACK, CULL_FRONT, CULL_BOTH = 1, 2, 3
+"""What is left out of a picture, if not nothing, 0: a bit for back faces, and one for front faces."""
+
 
 def facing_by_normal(clip: Floats, corner: Ints, start: Ints, perspective: bool) -> Floats:
     """Test ``V . N >= 0`` for back faces, V running from the eye to the face.

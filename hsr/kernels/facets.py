@@ -11,8 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from hsr.base.jit import jit
-from hsr.kernels.boxes import Corner, Vector
-from hsr.kernels.hits import BACK, FRONT
+from hsr.kernels.boxes import Corner
+from hsr.kernels.culling import CULL_BACK, CULL_FRONT
+from hsr.kernels.vectors import Vector
 
 SMALLEST = 5e-324
 """The least number above 0: ``e >= SMALLEST`` is ``e > 0``."""
@@ -79,7 +80,7 @@ def facet_of(a: Corner, b: Corner, c: Corner, perspective: bool, cull: int, mirr
     # Decide the facing by the sign of the projected area; rows run down, so a front is negative.
     area = m if perspective else nz
     front = (area < 0.0) != mirrored
-    if area == 0.0 or (cull == BACK and not front) or (cull == FRONT and front):
+    if area == 0.0 or (cull == CULL_BACK and not front) or (cull == CULL_FRONT and front):
         return NOTHING
     turn = 1.0 if area > 0.0 else -1.0
 

@@ -1,8 +1,8 @@
-"""Where a single ray meets the generic shapes: square, convex polyhedron, sphere, cylinder.
+"""hit(): where a ray meets the generic square, convex polyhedron, sphere and cylinder.
 
-Everything happens in the shape's own frame, after Hill and Kelley, "Computer Graphics Using OpenGL"
-(3rd edition, chapter 12): the line is the set of points ``o + t d``, carried into the frame by the
-inverse transform and not rescaled, so that t keeps its meaning.
+After Hill and Kelley, "Computer Graphics Using OpenGL" (3rd edition, chapter 12): an object is a generic
+shape moved by a transform, and a ray is carried back by the inverse transform to meet the shape where that
+is simple. It is not rescaled there, so that the t of a point ``o + t d`` is the same in both spaces.
 
 A convex solid meets a line in one closed interval of t. The face through which the line enters is
 seen from outside, its front; the face through which it leaves is seen from inside, its back. A line
@@ -10,7 +10,7 @@ that only touches the solid enters and leaves at the same t. Where it enters (or
 several faces at once, as in an edge, the lowest of them owns the point. An origin on the surface is a hit
 at t = 0, one inside has its entry behind it, at t < 0.
 
-Lines are given in float64 or float32; the arithmetic is in that type.
+Rays are given in float64 or float32; the arithmetic is in that type.
 """
 
 from __future__ import annotations
@@ -21,11 +21,8 @@ import numpy as np
 
 from hsr.base.arrays import Floats
 from hsr.base.jit import jit
-
-Vector = tuple[float, float, float]
-
-BACK, FRONT = 1, 2
-"""What an object may cull."""
+from hsr.kernels.culling import CULL_BACK, CULL_FRONT
+from hsr.kernels.vectors import Vector
 
 SIDE, BASE, CAP = 0, 1, 2
 """The faces of a cylinder."""
@@ -67,9 +64,9 @@ def first_hit(span: Span, near: float, far: float, cull: int) -> tuple[float, in
     """
     if span.t_in > span.t_out:
         return np.inf, NO_FACE
-    if near <= span.t_in <= far and cull != FRONT:
+    if near <= span.t_in <= far and cull != CULL_FRONT:
         return span.t_in, span.face_in
-    if near <= span.t_out <= far and cull != BACK:
+    if near <= span.t_out <= far and cull != CULL_BACK:
         return span.t_out, span.face_out
     return np.inf, NO_FACE
 
@@ -91,7 +88,7 @@ def square_hit(o: Vector, d: Vector, near: float, far: float, cull: int) -> tupl
 
     A line within the plane sees the square edge-on: it covers nothing.
     """
-    if d[2] == 0.0 or (cull == BACK and d[2] > 0.0) or (cull == FRONT and d[2] < 0.0):
+    if d[2] == 0.0 or (cull == CULL_BACK and d[2] > 0.0) or (cull == CULL_FRONT and d[2] < 0.0):
         return np.inf, NO_FACE
     t = -o[2] / d[2]
     inside = abs(o[0] + t * d[0]) <= 1.0 and abs(o[1] + t * d[1]) <= 1.0

@@ -19,12 +19,11 @@ import numpy as np
 
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.jit import jit, parallel_jit, prange
-from hsr.kernels.boxes import Beam, Corner, Vector, box_entry, corner_of, naive_entry, nearness_of
+from hsr.kernels.boxes import Beam, Corner, box_entry, corner_of, naive_entry, nearness_of
+from hsr.kernels.culling import CULL_BACK, CULL_FRONT
 from hsr.kernels.facets import covered_nearness, facet_of, row_of
 from hsr.kernels.hierarchy import INNER, STACK
 from hsr.kernels.hits import (
-    BACK,
-    FRONT,
     NO_FACE,
     cylinder_span,
     first_hit,
@@ -32,7 +31,8 @@ from hsr.kernels.hits import (
     sphere_span,
     square_hit,
 )
-from hsr.kernels.triangle_tests import MISS, SCREEN, point, triangle_at
+from hsr.kernels.triangle_tests import MISS, SCREEN, triangle_at
+from hsr.kernels.vectors import Vector, like, point
 
 SQUARE, CUBE, POLYHEDRON, SPHERE, CYLINDER, MESH, WORLD = range(7)
 """The kinds of shapes, and the world."""
@@ -150,13 +150,6 @@ def at_sample(matrix: Floats, x: float, y: float) -> Vector:
 
 
 @jit
-def like(numbers: Array, vector: Vector) -> Vector:
-    """Round a vector to the type of an array."""
-    real = numbers.dtype.type
-    return real(vector[0]), real(vector[1]), real(vector[2])
-
-
-@jit
 def generic_hit(x: float, y: float, thing: Any, planes: Floats, camera: Camera) -> tuple[float, int]:
     """Hit a generic object, an ``OBJECT``, with the ray of sample (x, y).
 
@@ -224,7 +217,7 @@ def hit_in_space(
     b = point(vertices[triangle["corner"][1]])
     c = point(vertices[triangle["corner"][2]])
     t, facing = triangle_at(test, o, d, a, b, c)
-    culled = (thing["cull"] == BACK and facing < 0.0) or (thing["cull"] == FRONT and facing > 0.0)
+    culled = (thing["cull"] == CULL_BACK and facing < 0.0) or (thing["cull"] == CULL_FRONT and facing > 0.0)
     if t == MISS or culled or not camera.near <= t <= camera.far:
         return -np.inf, NO_FACE
     return nearness_of(t, camera.perspective), int(thing["first_face"] + triangle["face"])

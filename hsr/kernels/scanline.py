@@ -34,6 +34,7 @@ import numpy as np
 
 from hsr.base.arrays import Array, Ints
 from hsr.base.jit import jit, parallel_jit, prange
+from hsr.kernels.culling import CULL_BACK, CULL_FRONT
 from hsr.kernels.strips import END_LINE, FIRST_LINE, STRIP, deal_to_strips
 
 DIRECT, INCREMENTAL, FIXED = range(3)
@@ -51,9 +52,6 @@ left side; its face; what became of it."""
 DRAWN, CULLED, EDGE_ON, MISSED, CLIPPED = range(5)
 """Fates of a polygon: drawn; culled; seen edge-on; no sample in its bounding box; outside the view
 volume."""
-
-CULL_BACK, CULL_FRONT, CULL_BOTH = 1, 2, 3
-"""What a polygon table leaves out: bits of the numbers in its argument ``cull``."""
 
 SCAN_LINES, SPANS, FRAGMENTS, PASSED = range(4)
 """Columns of the counts: polygons' scan lines, those of them that cross a sample, samples tested, and

@@ -22,12 +22,12 @@ import numpy as np
 
 from hsr.base.arrays import Array
 from hsr.base.jit import jit
-from hsr.kernels.boxes import Vector
+from hsr.kernels.vectors import Vector, cross, dot, minus, point
 
 MISS = np.inf
 
 SCREEN, MOLLER_TRUMBORE, EDGE_PLANES, WOOP = range(4)
-"""The tests by number; ``SCREEN`` is that of the projected triangle, in ``facets``."""
+"""The tests by number; ``SCREEN`` is that of the projected triangle, in ``triangle_on_screen``."""
 
 
 @jit
@@ -137,12 +137,6 @@ def misses(test: int, origins: Array, directions: Array, corners: Array) -> int:
 
 
 @jit
-def point(row: Array) -> Vector:
-    """Return an array of three numbers as a point."""
-    return row[0], row[1], row[2]
-
-
-@jit
 def dominant_axis(d: Vector) -> int:
     """Return the axis of the greatest coordinate in magnitude, the first of equal ones."""
     if abs(d[0]) >= abs(d[1]) and abs(d[0]) >= abs(d[2]):
@@ -158,21 +152,3 @@ def _weighted(u: float, v: float, w: float, depth: float, total: float) -> tuple
     if total == 0.0:
         return MISS, 0.0
     return np.float64(depth / total), np.float64(total)
-
-
-@jit
-def minus(a: Vector, b: Vector) -> Vector:
-    """Return a - b."""
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
-@jit
-def cross(a: Vector, b: Vector) -> Vector:
-    """Return a x b."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-@jit
-def dot(a: Vector, b: Vector) -> float:
-    """Return a . b."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

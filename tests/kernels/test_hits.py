@@ -10,11 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hsr.kernels.culling import CULL_BACK, CULL_FRONT
 from hsr.kernels.hits import (
-    BACK,
     BASE,
     CAP,
-    FRONT,
     NO_FACE,
     SIDE,
     Span,
@@ -143,7 +142,9 @@ def test_square_border_counts_and_edge_on_does_not():
     assert square_hit((0.0, 0.0, -1.0), (0.0, 0.0, -1.0), 0.0, 9.0, 0)[1] == NO_FACE
 
 
-@pytest.mark.parametrize(("cull", "from_front", "from_back"), [(0, 0, 0), (BACK, 0, -1), (FRONT, -1, 0)])
+@pytest.mark.parametrize(
+    ("cull", "from_front", "from_back"), [(0, 0, 0), (CULL_BACK, 0, -1), (CULL_FRONT, -1, 0)]
+)
 def test_square_shows_its_front_toward_plus_z(cull, from_front, from_back):
     assert square_hit((0.0, 0.0, 2.0), (0.0, 0.0, -1.0), 0.0, 9.0, cull)[1] == from_front
     assert square_hit((0.0, 0.0, -2.0), (0.0, 0.0, 1.0), 0.0, 9.0, cull)[1] == from_back
@@ -189,10 +190,10 @@ SPAN = Span(2.0, 7, 5.0, 8)
         (0.0, 2.0, 0, (2.0, 7)),
         (0.0, 1.0, 0, (math.inf, NO_FACE)),
         (3.0, 4.0, 0, (math.inf, NO_FACE)),
-        (0.0, 9.0, BACK, (2.0, 7)),
-        (3.0, 9.0, BACK, (math.inf, NO_FACE)),
-        (0.0, 9.0, FRONT, (5.0, 8)),
-        (0.0, 4.0, FRONT, (math.inf, NO_FACE)),
+        (0.0, 9.0, CULL_BACK, (2.0, 7)),
+        (3.0, 9.0, CULL_BACK, (math.inf, NO_FACE)),
+        (0.0, 9.0, CULL_FRONT, (5.0, 8)),
+        (0.0, 4.0, CULL_FRONT, (math.inf, NO_FACE)),
     ],
 )
 def test_the_nearest_hit_that_counts(near, far, cull, expected):

@@ -9,8 +9,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from hsr.kernels.culling import CULL_BACK, CULL_FRONT
 from hsr.kernels.facets import covered_nearness, facet_of, row_of
-from hsr.kernels.hits import BACK, FRONT
 from hsr.kernels.rays import NO_OWNER, Best, answer_of, better
 
 FAR_AWAY = -math.inf
@@ -134,10 +134,10 @@ def test_culling_goes_by_the_winding_on_the_screen(mirrored, perspective):
     if mirrored:
         front, back = back, front
     kind = {"perspective": perspective, "mirrored": mirrored}
-    assert nearness(front, 1.0, 2.0, cull=BACK, **kind) > FAR_AWAY
-    assert nearness(back, 1.0, 2.0, cull=BACK, **kind) == FAR_AWAY
-    assert nearness(front, 1.0, 2.0, cull=FRONT, **kind) == FAR_AWAY
-    assert nearness(back, 1.0, 2.0, cull=FRONT, **kind) > FAR_AWAY
+    assert nearness(front, 1.0, 2.0, cull=CULL_BACK, **kind) > FAR_AWAY
+    assert nearness(back, 1.0, 2.0, cull=CULL_BACK, **kind) == FAR_AWAY
+    assert nearness(front, 1.0, 2.0, cull=CULL_FRONT, **kind) == FAR_AWAY
+    assert nearness(back, 1.0, 2.0, cull=CULL_FRONT, **kind) > FAR_AWAY
 
 
 def test_nearness_is_that_of_the_plane():

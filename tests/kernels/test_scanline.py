@@ -11,11 +11,9 @@ import numpy as np
 import pytest
 
 from hsr.kernels import scanline
+from hsr.kernels.culling import CULL_BACK, CULL_BOTH, CULL_FRONT
 from hsr.kernels.scanline import (
     ALWAYS,
-    CULL_BACK,
-    CULL_BOTH,
-    CULL_FRONT,
     DIRECT,
     FIXED,
     INCREMENTAL,
