@@ -16,7 +16,7 @@ from hsr.kernels.zbuffer.key_buffer import depth_mask, gap_of
 from hsr.kernels.zbuffer.tiles import CELL, COLUMNS, LINES
 from tests.conftest import JIT
 from tests.exact.adversarial import adversarial
-from tests.kernels.test_halfspaces import exact_vertices
+from tests.kernels.zbuffer.test_halfspaces import exact_vertices
 
 SEEDS = [seed for seed in range(120 if JIT else 16) if seed % 4]
 
