@@ -1,4 +1,4 @@
-"""What a benchmark publishes: the results as JSON, CSV, Markdown, a chart for print and a page to explore."""
+"""What a benchmark publishes: the results as JSON, CSV, Markdown, and a chart."""
 
 from __future__ import annotations
 
@@ -7,16 +7,13 @@ import io
 from collections.abc import Sequence
 from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup
-
 from hsr.base.errors import HsrError
 from hsr.base.files import write_whole
 from hsr.lab import scaling
 from hsr.lab.metrics import ERROR, METRICS, SPEED, STAGES, Metric, dominators
 from hsr.lab.results import Results, Row, case_title
 from hsr.lab.scaling import growth
-from hsr.pictures.charts import Mark, Panel, growth_svg, speed_chart, speed_svg
+from hsr.pictures.charts import Mark, Panel, growth_svg, speed_svg
 
 TABLE: Sequence[Metric] = (*STAGES, ERROR)
 """The figures of a table; all of them are in the CSV file."""
@@ -29,9 +26,7 @@ NAMED = 2
 
 
 def publish(results: Results, folder: str | Path) -> list[Path]:
-    """Write a run into a folder, named after machine and commit: .json, .csv, .md, .svg and .html.
-
-    A scaling run has no .html.
+    """Write a run into a folder, named after machine and commit: .json, .csv, .md and .svg.
 
     Parameters
     ----------
@@ -54,8 +49,6 @@ def publish(results: Results, folder: str | Path) -> list[Path]:
         "md": to_markdown(results),
         "svg": to_svg(results),
     }
-    if not results.scaling:
-        texts["html"] = to_html(results)
     make_folder(Path(folder))
     files = {Path(folder) / f"{results.stem}.{ending}": text for ending, text in texts.items()}
     for path, text in files.items():  # all texts are there by now: nothing can fail but the disk
@@ -198,7 +191,6 @@ def _panel(rows: Sequence[Row]) -> Panel:
     better = dominators(rows)
     marks = [
         Mark(
-            row=row.id,
             label=row.method,
             family=row.family,
             x=float(row.verdict.wrong),
@@ -206,7 +198,7 @@ def _panel(rows: Sequence[Row]) -> Panel:
             low=row.times["render"].low,
             high=row.times["render"].high,
             frontier=not better[row.id],
-            details={metric.title: metric.text(row) for metric in METRICS} | {"why": why(row)},
+            about="\n".join([row.id, *(f"{name}: {told}" for name, told in _facts(row).items() if told)]),
         )
         for row in rows
         if row.verdict is not None
@@ -215,29 +207,12 @@ def _panel(rows: Sequence[Row]) -> Panel:
     return Panel(case_title(rows), marks, notes)
 
 
+def _facts(row: Row) -> dict[str, str]:
+    return {metric.title: metric.text(row) for metric in METRICS} | {"why": why(row)}
+
+
 def to_svg(results: Results) -> str:
-    """Return the chart for print: speed against error, of a scaling run how times grow."""
+    """Return the chart: speed against error, of a scaling run how times grow."""
     if results.scaling:
         return growth_svg(growth(results), SPEED.axis)
     return speed_svg(panels(results), ERROR.axis, SPEED.axis)
-
-
-def to_html(results: Results) -> str:
-    """Return the page: the chart to explore, and all tables; it needs no network."""
-    from vl_convert import javascript_bundle
-
-    environment = Environment(
-        loader=PackageLoader("hsr.lab"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    return environment.get_template("speed.html").render(
-        vega=Markup(javascript_bundle("window.vegaEmbed = vegaEmbed;")),
-        chart=speed_chart(panels(results), ERROR.axis, SPEED.axis),
-        cases=[(case_title(rows), table(rows)) for rows in results.cases.values()],
-        head=HEAD,
-        metrics=METRICS,
-        conditions=conditions(results),
-    )

@@ -53,7 +53,7 @@ def test_a_run_prints_a_table_and_writes_a_folder(run: Any, tmp_path: Path) -> N
         all(f"cube/16x16/{cull}/backface" in written for cull in ("none", "back"))
         and "Medians of 3 interleaved turns" in err
     )
-    assert {file.suffix for file in (tmp_path / "new").iterdir()} == {".json", ".csv", ".md", ".svg", ".html"}
+    assert {file.suffix for file in (tmp_path / "new").iterdir()} == {".json", ".csv", ".md", ".svg"}
 
 
 @pytest.mark.jit

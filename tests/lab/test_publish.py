@@ -1,16 +1,14 @@
-"""What a run publishes: tables, CSV, pictures and the page."""
+"""What a run publishes: tables, CSV and pictures."""
 
 from __future__ import annotations
 
 import csv
 import io
-import json
 import re
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-from vl_convert import javascript_bundle
 
 from hsr.base.errors import HsrError
 from hsr.lab.metrics import METRICS
@@ -23,7 +21,6 @@ from hsr.lab.publish import (
     publish,
     table,
     to_csv,
-    to_html,
     to_markdown,
     to_svg,
 )
@@ -84,7 +81,7 @@ def test_conditions_tell_what_makes_times_doubtful() -> None:
 
 def test_every_mark_is_a_row() -> None:
     (panel,) = panels(RUN)
-    assert [mark.row for mark in panel.marks] == [made.id for made in RUN.rows if not made.absent]
+    assert [mark.label for mark in panel.marks] == [made.method for made in RUN.rows if not made.absent]
     assert [mark.frontier for mark in panel.marks] == [False, True]
     assert panel.notes == ["embree: needs <embreex> & more"]
 
@@ -95,21 +92,18 @@ def test_the_picture_is_svg_and_always_the_same() -> None:
     assert text == to_svg(RUN) and not re.search(r"\d{4}-\d{2}-\d{2}T", text)
 
 
-def test_the_page_needs_no_network_and_tells_the_row() -> None:
-    text = to_html(RUN).replace(javascript_bundle("window.vegaEmbed = vegaEmbed;"), "")
-    assert len(text) < 100_000, "the libraries are in the page, and cut out here"
-    assert not re.search(r"""<(script|link|img)[^>]+(src|href)=""", text)
-    spec = json.loads(re.search(r'vegaEmbed\("#chart", (\{.*\}), \{ actions', text)[1])  # type: ignore[index]
-    assert RUN.rows[0].id in json.dumps(spec)
-    assert "needs &lt;embreex&gt; &amp; more" in text
+def test_a_mark_tells_its_row_to_who_points_at_it() -> None:
+    drawn = ElementTree.fromstring(to_svg(RUN))
+    titles = [title.text for title in drawn.iter("{http://www.w3.org/2000/svg}title")]
+    assert titles == [mark.about for mark in panels(RUN)[0].marks]
+    for told in ("box/64x64/scene/opengl", "render [ms]: 5", "wrong: 30", "why: vertex snapping 30"):
+        assert told in titles[0].splitlines()
 
 
 def test_all_is_written_under_one_name(tmp_path: Path) -> None:
     files = publish(RUN, tmp_path / "new")
     stem = "speed-slide-rule-2-abc1234"
-    assert [file.name for file in files] == [
-        f"{stem}.{ending}" for ending in ("json", "csv", "md", "svg", "html")
-    ]
+    assert [file.name for file in files] == [f"{stem}.{ending}" for ending in ("json", "csv", "md", "svg")]
     assert load_results(files[0]) == RUN
     growing = results(*(row("zbuffer", scene=f"copies-{n}", series="copies") for n in (1, 4, 16)))
     assert [file.suffix for file in publish(growing, tmp_path)] == [".json", ".csv", ".md", ".svg"]
@@ -123,4 +117,4 @@ def test_a_folder_that_cannot_be_made(tmp_path: Path) -> None:
 
 
 def test_a_run_without_figures_can_be_published(tmp_path: Path) -> None:
-    assert len(publish(results(row("embree", absent="missing")), tmp_path)) == 5
+    assert len(publish(results(row("embree", absent="missing")), tmp_path)) == 4

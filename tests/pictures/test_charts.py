@@ -12,22 +12,20 @@ from hsr.pictures.charts import (
     LINE,
     PANEL,
     Curve,
-    Frame,
     Growth,
     Mark,
     Panel,
-    error_ticks,
+    Span,
     growth_svg,
     place_labels,
     speed_svg,
     symlog,
-    time_ticks,
     unsymlog,
 )
 
 
 def mark(x: float, y: float, frontier: bool = False, label: str = "zbuffer") -> Mark:
-    return Mark("a row", label, "zbuffer", x, y, 0.9 * y, 1.1 * y, frontier)
+    return Mark(label, "zbuffer", x, y, 0.9 * y, 1.1 * y, frontier)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -65,18 +63,15 @@ def test_labels_keep_clear_of_lines() -> None:
 def test_zero_has_a_place() -> None:
     x = np.array([0.0, 0.5, 1.0, 1e4])
     assert unsymlog(symlog(x)) == pytest.approx(x) and symlog(0.0) == 0.0
-    frame = Frame.around([Panel("", [mark(0.0, 1.0), mark(5000.0, 10.0)])])
-    places = frame.places([(0.0, 1.0), (5000.0, 10.0)])
-    assert (places > 0.0).all() and (places < PANEL).all()
-    assert frame.error_at(places[1, 0]) == pytest.approx(5000.0)
-    assert frame.time_at(places[1, 1]) == pytest.approx(10.0)
+    span = Span.of([Panel("", [mark(0.0, 1.0), mark(5000.0, 10.0)])])
+    assert span.LEFT < 0.0 and span.right > 5000.0 and span.bottom < 0.9 and span.top > 11.0
 
 
 def test_ticks() -> None:
-    frame = Frame(right=12_000.0, bottom=0.3, top=30.0)
-    assert error_ticks(frame) == [0.0, 1.0, 10.0, 100.0, 1e3, 1e4]
-    assert time_ticks(frame) == [0.5, 1.0, 2.0, 5.0, 10.0, 20.0]
-    assert time_ticks(Frame(1.0, 0.3, 3000.0)) == [1.0, 10.0, 100.0, 1000.0]
+    span = Span(right=12_000.0, bottom=0.3, top=30.0)
+    assert span.error_ticks() == [0.0, 1.0, 10.0, 100.0, 1e3, 1e4]
+    assert span.time_ticks() == [0.5, 1.0, 2.0, 5.0, 10.0, 20.0]
+    assert Span(1.0, 0.3, 3000.0).time_ticks() == [1.0, 10.0, 100.0, 1000.0]
 
 
 def test_a_panel_may_be_empty() -> None:

@@ -2,13 +2,11 @@
 
 What is measured goes up, the parameter goes to the right from easy to hard. A dotted line stands where theory
 expects a variant to break; in a family with a figure of its own, a line without marks is the figure that
-theory expects. Variants of which there is no theory are grey. The same result gives the same bytes. Colours
-are those of M. Okabe and K. Ito, *Color Universal Design* (2008).
+theory expects. Variants of which there is no theory are grey. The same result gives the same bytes.
 """
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Sequence
 from itertools import cycle
@@ -19,14 +17,11 @@ import numpy as np
 
 from hsr.lab.stability.family import CERTIFIED
 from hsr.lab.stability.judge import Result, Row
+from hsr.pictures.charts import COLOURS, SHAPES, svg
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-MARKERS = "osD^vPX"
-"""For the rows of a panel; those beyond go to a panel of their own."""
 
 QUIET = "#767676"
 LINES = ("-", "--", "-.", ":")
@@ -36,14 +31,13 @@ TICKS = 8
 """At most so many up the side, besides 0."""
 
 STYLE: dict[Any, Any] = {
-    "svg.hashsalt": "hsr",
     "svg.fonttype": "none",
     "font.family": "sans-serif",
     "font.size": 9.0,
     "axes.spines.top": False,
     "axes.spines.right": False,
 }
-"""Text stays text, and ids depend on nothing but what is drawn."""
+"""Text stays text."""
 
 
 def chart(result: Result) -> str:
@@ -61,10 +55,7 @@ def chart(result: Result) -> str:
     import matplotlib
 
     with matplotlib.rc_context(STYLE):
-        figure = draw(result)
-        written = io.StringIO()
-        figure.savefig(written, format="svg", metadata={"Date": None, "Creator": None})
-    return written.getvalue()
+        return svg(draw(result))
 
 
 def draw(result: Result) -> Figure:
@@ -100,7 +91,7 @@ def _draw_panel(axes: Axes, result: Result, rows: Sequence[Row]) -> None:
         if row.variant in CERTIFIED:
             _draw_certified(axes, row)
     # Marks become smaller, so that those of equal rows show as rings about each other.
-    styles, lines = zip(COLOURS, MARKERS, np.linspace(8.0, 3.0, len(COLOURS)), strict=True), cycle(LINES)
+    styles, lines = zip(COLOURS, SHAPES, np.linspace(8.0, 3.0, len(COLOURS)), strict=True), cycle(LINES)
     for row in rows:
         if row.because:
             _draw_row(axes, row, *next(styles))
