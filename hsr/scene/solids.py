@@ -7,7 +7,7 @@ face before it leaves through a back face.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -19,7 +19,8 @@ from hsr.scene.shapes import Polygons
 MAX_CHECKED = 25_000
 """Meshes of more triangles are not searched for places where they touch or cross themselves."""
 
-Turn = Callable[[Array, Array, Array], Array]
+NEXT = np.array([1, 2, 0])
+"""The corner after each corner of a triangle: edge k runs from corner k to corner NEXT[k]."""
 
 CHUNK = 1 << 21
 """Pairs of triangles looked at together, to bound the memory."""
@@ -45,7 +46,14 @@ def surface_problem(polygons: Polygons) -> str:
     points, triangles, face = _welded(polygons)
     if not len(triangles):
         return "not closed: it has no area"
-    return _boundary(triangles) or _inward(points, triangles) or _self_contact(points, triangles, face)
+    run = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    _, edge, times = np.unique(np.sort(run, axis=1), axis=0, return_inverse=True, return_counts=True)
+    edge, exact = edge.reshape(-1), _integers(points)
+    return (
+        _boundary(edge, times, np.where(run[:, 0] < run[:, 1], 1, -1))
+        or _inward(exact[triangles], edge)
+        or _self_contact(points, exact, triangles, face)
+    )
 
 
 def winding_number(point: Floats, triangles: Floats) -> float:
@@ -74,23 +82,18 @@ def _welded(polygons: Polygons) -> tuple[Floats, Array, Array]:
 # ---------------------------------------------------------------- closed
 
 
-def _edges(triangles: Array) -> tuple[Array, Array]:
-    """Return the edges (3 n, 2), lower vertex first, and the direction (3 n,) +1 or -1 each is run in."""
-    directed = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-    return np.sort(directed, axis=1), np.where(directed[:, 0] < directed[:, 1], 1, -1)
+def _boundary(edge: Array, times: Array, direction: Array) -> str:
+    """Ask that every edge be run through as often one way as the other.
 
-
-def _boundary(triangles: Array) -> str:
-    """Ask that every edge be run through as often one way as the other."""
-    edges, direction = _edges(triangles)
-    _, index, times = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
-    surplus = np.bincount(index.reshape(-1), weights=direction) != 0.0
-    if not surplus.any():
-        return ""
+    ``edge`` and ``direction`` (3 n,) are the number of the edge that each side of a triangle runs
+    along, and +1 or -1 for the way; ``times`` is how many sides run along each edge.
+    """
+    surplus = np.bincount(edge, weights=direction) != 0.0
     lone = int((times[surplus] == 1).sum())
     if lone:
         return f"not closed: {lone} edges belong to one face only"
-    return f"not closed: {int(surplus.sum())} edges are not run through equally often both ways"
+    count = int(surplus.sum())
+    return f"not closed: {count} edges are not run through equally often both ways" if count else ""
 
 
 # ---------------------------------------------------------------- outward
@@ -104,59 +107,48 @@ def _integers(points: Floats) -> Array:
     return np.asarray(whole * (np.full(points.shape, 2, dtype=object) ** exponent))
 
 
-def _determinant(a: Array, b: Array, c: Array) -> Array:
-    """Return det(a, b, c) of vectors (n, 3), in whatever arithmetic their entries have."""
-    return np.asarray(
-        a[:, 0] * (b[:, 1] * c[:, 2] - b[:, 2] * c[:, 1])
-        + a[:, 1] * (b[:, 2] * c[:, 0] - b[:, 0] * c[:, 2])
-        + a[:, 2] * (b[:, 0] * c[:, 1] - b[:, 1] * c[:, 0])
-    )
+def _determinant(a: Array, b: Array, c: Array, minus: int = -1) -> Array:
+    """Return det(a, b, c) of vectors (n, 3), in whatever arithmetic their entries have.
+
+    With ``minus=1`` it is the permanent: the same products, all added.
+    """
+    (ax, ay, az), (bx, by, bz), (cx, cy, cz) = a.T, b.T, c.T
+    x, y, z = by * cz + minus * bz * cy, bz * cx + minus * bx * cz, bx * cy + minus * by * cx
+    return np.asarray(ax * x + ay * y + az * z)
 
 
-def _inward(points: Floats, triangles: Array) -> str:
+def _inward(corners: Array, edge: Array) -> str:
     """Ask that every part of the surface that hangs together by edges enclose a positive volume."""
-    part = _parts(triangles)
-    order = np.argsort(part, kind="stable")
-    a, b, c = _integers(points)[triangles[order].T]
-    starts = np.searchsorted(part[order], np.arange(part.max() + 1))
-    volumes = np.add.reduceat(_determinant(a, b, c), starts)
+    count = len(corners)
+    links = (np.ones(len(edge), np.int8), (np.repeat(np.arange(count), 3), count + edge))
+    size = count + len(edge)
+    parts = connected_components(coo_array(links, shape=(size, size)), directed=False)[1][:count]
+    volumes = np.zeros(parts.max() + 1, dtype=object)
+    np.add.at(volumes, parts, _determinant(*corners.swapaxes(0, 1)))
     wrong = int((volumes <= 0).sum())
     return f"inside out: {wrong} of its {len(volumes)} parts enclose no positive volume" if wrong else ""
-
-
-def _parts(triangles: Array) -> Array:
-    """Return the number (n,) of the part each triangle belongs to."""
-    edges, _ = _edges(triangles)
-    _, index = np.unique(edges, axis=0, return_inverse=True)
-    count = len(triangles)
-    owner = np.repeat(np.arange(count), 3)
-    size = count + len(edges)
-    graph = coo_array((np.ones(len(owner), np.int8), (owner, count + index.reshape(-1))), shape=(size, size))
-    labels = connected_components(graph, directed=False)[1][:count]
-    return np.asarray(np.unique(labels, return_inverse=True)[1])
 
 
 # ---------------------------------------------------------------- self-contact
 
 
-def _self_contact(points: Floats, triangles: Array, face: Array) -> str:
+def _self_contact(points: Floats, exact: Array, triangles: Array, face: Array) -> str:
     """Ask that triangles meet only in the corners and edges they share."""
     if len(triangles) > MAX_CHECKED:
         return f"not checked: more than {MAX_CHECKED} triangles to search for self-contact"
-    points = points / 2.0 ** np.frexp(np.abs(points).max())[1]
-    space = _Space(points, _integers(points))
-    kept = space.has_area(triangles)
+    space = _Space(points / 2.0 ** np.frexp(np.abs(points).max())[1], exact)
+    kept = (space.normal(triangles) != 0).any(axis=1)
     triangles, face = triangles[kept], face[kept]
-    for first, second in _near_pairs(points[triangles]):
+    for first, second in _overlapping_pairs(space.points[triangles]):
         meets = _meet(space, triangles[first], triangles[second])
         if meets.any():
             k = int(np.argmax(meets))
-            faces = sorted((int(face[first[k]]), int(face[second[k]])))
-            return f"touches or crosses itself: faces {faces[0]} and {faces[1]}"
+            one, other = sorted((int(face[first[k]]), int(face[second[k]])))
+            return f"touches or crosses itself: faces {one} and {other}"
     return ""
 
 
-def _near_pairs(corners: Floats) -> Iterator[tuple[Array, Array]]:
+def _overlapping_pairs(corners: Floats) -> Iterator[tuple[Array, Array]]:
     """Yield pairs of triangles whose extents overlap, by a sweep along the longest axis."""
     low, high = corners.min(axis=1), corners.max(axis=1)
     axis = int(np.argmax(high.max(axis=0) - low.min(axis=0)))
@@ -197,12 +189,7 @@ class _Space:
         """Sign (n,) of det(a - d, b - d, c - d), of points given by index."""
         p, q, r = (self.points[k] - self.points[d] for k in (a, b, c))
         determinant = _determinant(p, q, r)
-        p, q, r = np.abs(p), np.abs(q), np.abs(r)
-        permanent = (
-            p[:, 0] * (q[:, 1] * r[:, 2] + q[:, 2] * r[:, 1])
-            + p[:, 1] * (q[:, 2] * r[:, 0] + q[:, 0] * r[:, 2])
-            + p[:, 2] * (q[:, 0] * r[:, 1] + q[:, 1] * r[:, 0])
-        )
+        permanent = _determinant(np.abs(p), np.abs(q), np.abs(r), minus=1)
         sign = np.sign(determinant).astype(np.int8)
         doubtful = np.abs(determinant) <= self.ERROR * permanent + self.UNDERFLOW
         doubtful &= (a != d) & (b != d) & (c != d)
@@ -215,18 +202,7 @@ class _Space:
     def normal(self, triangles: Array) -> Array:
         """Exact normals (n, 3) of triangles, of any length."""
         a, b, c = self.exact[triangles.T]
-        p, q = b - a, c - a
-        return np.stack([_cross(p, q, k) for k in range(3)], axis=1)
-
-    def has_area(self, triangles: Array) -> Bools:
-        """Whether the corners of each triangle are not on one line."""
-        return np.asarray((self.normal(triangles) != 0).any(axis=1), dtype=np.bool_)
-
-
-def _cross(p: Array, q: Array, axis: int | Array) -> Array:
-    """Component ``axis`` of the cross products of vectors (n, 3)."""
-    row, i, j = np.arange(len(p)), (np.asarray(axis) + 1) % 3, (np.asarray(axis) + 2) % 3
-    return np.asarray(p[row, i] * q[row, j] - p[row, j] * q[row, i])
+        return np.asarray(np.cross(b - a, c - a))
 
 
 def _meet(space: _Space, one: Array, other: Array) -> Bools:
@@ -239,11 +215,10 @@ def _meet(space: _Space, one: Array, other: Array) -> Bools:
     apart = _one_sided(one_side, in_other) | _one_sided(other_side, in_one)
     flat = (one_side == 0).all(axis=1)
     meets = np.zeros(len(one), dtype=np.bool_)
-    solid = np.flatnonzero(~apart & ~flat)
-    meets[solid] = _cross_in_space(space, one[solid], other[solid], in_other[solid], one_side[solid])
-    meets[solid] |= _cross_in_space(space, other[solid], one[solid], in_one[solid], other_side[solid])
-    plane = np.flatnonzero(flat)
-    meets[plane] = _overlap_in_plane(space, one[plane], other[plane], in_other[plane], in_one[plane])
+    rest = np.flatnonzero(~apart & ~flat)
+    meets[rest] = _cross_in_space(space, one[rest], other[rest], in_other[rest], one_side[rest])
+    meets[rest] |= _cross_in_space(space, other[rest], one[rest], in_one[rest], other_side[rest])
+    meets[flat] = _overlap_in_plane(space, one[flat], other[flat], in_other[flat], in_one[flat])
     return meets
 
 
@@ -263,60 +238,53 @@ def _cross_in_space(space: _Space, one: Array, other: Array, shared: Bools, side
 
     Edges in the plane of ``other`` need no look: where they meet it, another edge of the two does.
     """
+    to = side[:, NEXT]
+    crossing = (side * to <= 0) & ((side != 0) | (to != 0)) & ~shared & ~shared[:, NEXT]
+    pair, k = np.nonzero(crossing)
+    p, q, triangle = one[pair, k], one[pair, NEXT[k]], other[pair]
+    around = np.stack([space.side(p, q, triangle[:, n], triangle[:, NEXT[n]]) for n in range(3)], axis=1)
     meets = np.zeros(len(one), dtype=np.bool_)
-    for k in range(3):
-        m = (k + 1) % 3
-        opposite = side[:, k] * side[:, m] <= 0
-        in_plane = (side[:, k] == 0) & (side[:, m] == 0)
-        here = np.flatnonzero(opposite & ~in_plane & ~shared[:, k] & ~shared[:, m])
-        p, q, triangle = one[here, k], one[here, m], other[here]
-        turns = [space.side(p, q, triangle[:, n], triangle[:, (n + 1) % 3]) for n in range(3)]
-        around = np.stack(turns, axis=1)
-        meets[here] |= (around >= 0).all(axis=1) | (around <= 0).all(axis=1)
+    meets[pair[(around >= 0).all(axis=1) | (around <= 0).all(axis=1)]] = True
     return meets
 
 
 def _overlap_in_plane(space: _Space, one: Array, other: Array, in_other: Bools, in_one: Bools) -> Bools:
     """Whether triangles of one plane meet outside what they share; all of it in integers."""
-    normal = space.normal(one)
-    axis = np.argmax(np.abs(normal), axis=1)
-    flip = np.where(np.take_along_axis(normal, axis[:, None], axis=1)[:, 0] > 0, 1, -1)
+    # Drop the coordinate along which the plane is seen largest.
+    dropped = np.argmax(np.abs(space.normal(one)), axis=1)
+    axes = (dropped[:, None, None] + [1, 2]) % 3
+    flat_one, flat_other = (np.take_along_axis(space.exact[each], axes, axis=2) for each in (one, other))
+    from_one, from_other = _turns(flat_one, flat_other), _turns(flat_other, flat_one)
 
-    def turn(a: Array, b: Array, c: Array) -> Array:
-        """Sign of the turn from a over b to c, counter-clockwise positive in the orientation of ``one``."""
-        p, q, r = (space.exact[k] for k in (a, b, c))
-        return np.sign(_cross(q - p, r - p, axis)).astype(np.int8) * flip
-
-    same_turn = turn(other[:, 0], other[:, 1], other[:, 2])[:, None] > 0
-    counter_clockwise = np.where(same_turn, other, other[:, ::-1])
-    in_one = np.where(same_turn, in_one, in_one[:, ::-1])
     count = in_other.sum(axis=1)
-    meets = _edge_meets(turn, one, in_other, counter_clockwise)
-    meets |= _edge_meets(turn, counter_clockwise, in_one, one)
-    meets |= count == 3
-
+    meets = count == 3
+    meets |= _edge_meets(from_one, from_other, in_other) | _edge_meets(from_other, from_one, in_one)
     # Two triangles on one edge overlap if their third corners are on the same side of it.
-    third = counter_clockwise[np.arange(len(one)), np.argmin(in_one, axis=1)]
-    for k in range(3):
-        m = (k + 1) % 3
-        on_edge = (count == 2) & in_other[:, k] & in_other[:, m]
-        meets |= on_edge & (turn(one[:, k], one[:, m], third) > 0)
-    return meets
+    third = np.argmin(in_one, axis=1)[:, None, None]
+    same_side = np.take_along_axis(from_one, third, axis=2)[:, :, 0] > 0
+    on_edge = (count == 2)[:, None] & in_other & in_other[:, NEXT]
+    return np.asarray(meets | (on_edge & same_side).any(axis=1))
 
 
-def _edge_meets(turn: Turn, one: Array, shared: Bools, other: Array) -> Bools:
-    """Whether an edge of ``one`` without shared corners meets ``other``, both in one plane.
+def _turns(triangle: Array, points: Array) -> Array:
+    """Tell on which side of each edge of plane triangles (n, 3, 2) the points (n, 3, 2) lie.
 
-    ``other`` runs counter-clockwise. A segment and a triangle are apart if and only if the line
-    through one of their edges separates them.
+    The result (n, 3, 3), edge by point, is +1 on the side of the triangle, -1 beyond, 0 on the line.
     """
-    meets = np.zeros(len(one), dtype=np.bool_)
-    for k in range(3):
-        p, q = one[:, k], one[:, (k + 1) % 3]
-        corners = np.stack([turn(p, q, other[:, n]) for n in range(3)], axis=1)
-        apart = (corners > 0).all(axis=1) | (corners < 0).all(axis=1)
-        for n in range(3):
-            start, end = other[:, n], other[:, (n + 1) % 3]
-            apart |= (turn(start, end, p) < 0) & (turn(start, end, q) < 0)
-        meets |= ~apart & ~shared[:, k] & ~shared[:, (k + 1) % 3]
-    return meets
+    x, y = np.moveaxis(triangle[:, NEXT] - triangle, 2, 0)[..., None]
+    seen = np.concatenate([triangle[:, 2:], points], axis=1)
+    u, v = np.moveaxis(seen[:, None] - triangle[:, :, None], 3, 0)
+    turns = np.sign(x * v - y * u).astype(np.int8)
+    return np.asarray(turns[:, :, 1:] * turns[:, :1, :1])
+
+
+def _edge_meets(own: Array, others: Array, shared: Bools) -> Bools:
+    """Whether an edge without shared corners meets the other triangle of its plane.
+
+    ``own`` tells where the corners of the other lie, seen from the edges; ``others`` where the ends of
+    the edges lie, seen from the edges of the other. A segment and a triangle are apart if and only if
+    the line through one of their edges separates them.
+    """
+    apart = (own > 0).all(axis=2) | (own < 0).all(axis=2)
+    apart |= ((others < 0) & (others[:, :, NEXT] < 0)).any(axis=1)
+    return np.asarray((~apart & ~shared & ~shared[:, NEXT]).any(axis=1))

@@ -71,7 +71,7 @@ def test_large_meshes_are_not_searched(monkeypatch: pytest.MonkeyPatch) -> None:
     assert surface_problem(two_cubes([0.5, 0.3, 0.2])).startswith("not checked: more than 23 triangles")
 
 
-def test_the_search_finds_every_near_pair(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_search_finds_every_pair_whose_extents_overlap(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solids, "CHUNK", 50)
     corners = np.random.default_rng(5).integers(0, 9, size=(60, 3, 3)).astype(np.float64)
     low, high = corners.min(axis=1), corners.max(axis=1)
@@ -82,7 +82,7 @@ def test_the_search_finds_every_near_pair(monkeypatch: pytest.MonkeyPatch) -> No
     }
     found = [
         (min(i, j), max(i, j))
-        for first, second in solids._near_pairs(corners)
+        for first, second in solids._overlapping_pairs(corners)
         for i, j in zip(first.tolist(), second.tolist(), strict=True)
     ]
     assert len(found) == len(set(found)) and set(found) == expected
