@@ -6,10 +6,12 @@ Every shape is made in object space, +y up, with its faces counter-clockwise as 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from hsr.base.arrays import Array, Bools, Floats, Ints
-from hsr.scene.model import Fir, Menger, Teapot, Terrain, TorusKnot
+from hsr.scene.model import Fir, Menger, Teapot, Terrain, Thing, TorusKnot
 from hsr.scene.shapes import Polygons
 
 Generated = Teapot | TorusKnot | Terrain | Menger | Fir
@@ -27,17 +29,8 @@ def generate(thing: Generated) -> Polygons:
     Polygons
         Triangles, or the squares of the sponge; each is a face of its own.
     """
-    match thing:
-        case Teapot():
-            return teapot(thing.detail)
-        case TorusKnot():
-            return torus_knot(thing.p, thing.q, thing.segments, thing.sides, thing.thickness)
-        case Terrain():
-            return terrain(thing.detail, thing.roughness, thing.height, thing.seed)
-        case Menger():
-            return menger(thing.level)
-        case Fir():
-            return fir(thing.tiers, thing.sides)
+    parameters = {key: value for key, value in thing if key not in ("shape", *Thing.model_fields)}
+    return GENERATORS[thing.shape](**parameters)
 
 
 # ---------------------------------------------------------------- lattices
@@ -428,3 +421,13 @@ def _ring(count: int, radius: float | Floats, height: float | Floats) -> Floats:
 def _fan(pole: int, ring: Ints) -> Ints:
     """Join every side of a closed ring (n,) with one vertex: triangles (n, 3)."""
     return np.stack([ring, np.roll(ring, -1), 0 * ring + pole], axis=1)
+
+
+GENERATORS: dict[str, Callable[..., Polygons]] = {
+    "teapot": teapot,
+    "torus-knot": torus_knot,
+    "terrain": terrain,
+    "menger": menger,
+    "fir": fir,
+}
+"""By the word of the scene file; what the scene file says beside, each takes by the same name."""

@@ -12,8 +12,9 @@ from collections import Counter
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
+from flint import fmpq, fmpq_mat
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -54,24 +55,18 @@ def _thrice(value: Any) -> Any:
     return (value, value, value) if is_number else value
 
 
+NUMBER: dict[str, Any] = {"type": "number"}
+THREE_NUMBERS: dict[str, Any] = {"type": "array", "items": NUMBER, "minItems": 3, "maxItems": 3}
+
+Entry = TypeVar("Entry")
+List = Annotated[tuple[Entry, ...], BeforeValidator(_as_tuple)]
 Vector = Annotated[tuple[float, float, float], _exactly(3)]
-Scale = Annotated[
-    Vector,
-    BeforeValidator(_thrice),
-    WithJsonSchema(
-        {
-            "anyOf": [
-                {"type": "number"},
-                {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3},
-            ]
-        }
-    ),
-]
+Scale = Annotated[Vector, BeforeValidator(_thrice), WithJsonSchema({"anyOf": [NUMBER, THREE_NUMBERS]})]
 Row = Annotated[tuple[float, float, float, float], _exactly(4)]
 Matrix = Annotated[tuple[Row, Row, Row, Row], _exactly(4, "rows")]
 Channel = Annotated[float, Field(ge=0.0, le=1.0)]
 Colour = Annotated[tuple[Channel, Channel, Channel], _exactly(3)]
-Loop = Annotated[tuple[int, ...], BeforeValidator(_as_tuple), Field(min_length=3)]
+Loop = Annotated[List[int], Field(min_length=3)]
 Triangle = Annotated[tuple[int, int, int], _exactly(3, "vertex indices")]
 Pair = Annotated[tuple[float, float], _exactly(2)]
 Name = Annotated[str, Field(min_length=1, max_length=80), AfterValidator(_printable)]
@@ -177,28 +172,11 @@ Camera = Annotated[Perspective | Orthographic | MatrixCamera, Field(discriminato
 def exact_determinant(matrix: Any) -> Fraction:
     """Return the determinant of a square matrix of floats, without rounding.
 
-    Parameters
-    ----------
-    matrix : sequence of n sequences of n float
-
-    Returns
-    -------
-    Fraction
+    >>> exact_determinant([[1.0, 2.0], [0.5, 1.0]])
+    Fraction(0, 1)
     """
-    rows = [[Fraction(x) for x in row] for row in matrix]
-    determinant = Fraction(1)
-    for k in range(len(rows)):
-        pivot = next((i for i in range(k, len(rows)) if rows[i][k] != 0), None)
-        if pivot is None:
-            return Fraction(0)
-        if pivot != k:
-            rows[k], rows[pivot] = rows[pivot], rows[k]
-            determinant = -determinant
-        determinant *= rows[k][k]
-        for row in rows[k + 1 :]:
-            factor = row[k] / rows[k][k]
-            row[k:] = [x - factor * y for x, y in zip(row[k:], rows[k][k:], strict=True)]
-    return determinant
+    determinant = fmpq_mat([[fmpq(*x.as_integer_ratio()) for x in row] for row in matrix]).det()
+    return Fraction(int(determinant.p), int(determinant.q))
 
 
 class Step(Description):
@@ -275,7 +253,7 @@ class Thing(Description):
     """What every object has, whatever its shape."""
 
     name: Name
-    transform: Annotated[tuple[Step, ...], BeforeValidator(_as_tuple)] = ()
+    transform: List[Step] = ()
     cull: Literal["none", "back", "front"] = "none"
     colour: Colour = (0.8, 0.8, 0.8)
     scatter: Scatter | None = None
@@ -321,8 +299,8 @@ class Polyhedron(Thing):
     """
 
     shape: Literal["polyhedron"]
-    vertices: Annotated[tuple[Vector, ...], BeforeValidator(_as_tuple), Field(min_length=4)]
-    faces: Annotated[tuple[Loop, ...], BeforeValidator(_as_tuple), Field(min_length=4)]
+    vertices: Annotated[List[Vector], Field(min_length=4)]
+    faces: Annotated[List[Loop], Field(min_length=4)]
 
     @model_validator(mode="after")
     def _indices_exist(self) -> Polyhedron:
@@ -339,18 +317,17 @@ class Mesh(Thing):
     shape: Literal["mesh"]
     file: str | None = None
     part: str | None = None
-    vertices: Annotated[tuple[Vector, ...], BeforeValidator(_as_tuple)] | None = None
-    faces: Annotated[tuple[Triangle, ...], BeforeValidator(_as_tuple)] | None = None
+    vertices: List[Vector] | None = None
+    faces: List[Triangle] | None = None
 
     @model_validator(mode="after")
     def _one_source(self) -> Mesh:
-        inline = self.vertices is not None and self.faces is not None
-        if inline == (self.file is not None) or (self.vertices is None) != (self.faces is None):
+        given = [self.file is None, self.vertices is not None, self.faces is not None]
+        if any(given) != all(given):
             raise ValueError("a mesh has either file, or both vertices and faces")
-        if inline and self.part is not None:
+        if self.file is None and self.part is not None:
             raise ValueError("part names a part of a file; leave it out")
-        if inline:
-            _check_indices(self.faces, self.vertices)
+        _check_indices(self.faces or (), self.vertices or ())
         return self
 
 
@@ -463,9 +440,9 @@ class Scene(Description):
     about: str = ""
     background: Colour = (1.0, 1.0, 1.0)
     segments: Annotated[int, Field(ge=3, le=1024)] = 48
-    camera: Annotated[tuple[Camera, ...], BeforeValidator(_as_tuple), Field(min_length=1)]
-    object: Annotated[tuple[Object, ...], BeforeValidator(_as_tuple), Field(min_length=1)]
-    light: Annotated[tuple[Light, ...], BeforeValidator(_as_tuple)] = ()
+    camera: Annotated[List[Camera], Field(min_length=1)]
+    object: Annotated[List[Object], Field(min_length=1)]
+    light: List[Light] = ()
     _folder: Path = PrivateAttr(default=Path())
 
     @property
