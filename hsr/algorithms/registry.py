@@ -253,7 +253,16 @@ BUILT_IN = (
 
 @cache
 def methods() -> dict[str, Method]:
-    """Return all methods by name: the built-in ones, then those other packages register."""
+    """Return all methods by name: the built-in ones, then those other packages register.
+
+    Examples
+    --------
+    >>> import hsr
+    >>> hsr.methods()["raycast"].curved  # spheres and cylinders as they are
+    True
+    >>> hsr.methods()["scanline-float32-direct"].about
+    'scan conversion, evaluated at every sample, float32'
+    """
     found = {method.name: method for method in BUILT_IN}
     for entry in entry_points(group=ENTRY_POINTS):
         method = entry.load()
@@ -325,6 +334,22 @@ def render(
         If the view cannot be made.
     UnavailableError
         If the method needs what this machine lacks.
+
+    Examples
+    --------
+    >>> import hsr
+    >>> map = hsr.render(hsr.load("scenes/cube.toml"), "zbuffer", size=(10, 8))
+    >>> print(map.face)
+    [[-1 -1 -1 -1  0 -1 -1 -1 -1 -1]
+     [-1  4  0  0  0  0  0  0 -1 -1]
+     [-1 -1  4  4  4  4  2  2 -1 -1]
+     [-1 -1  4  4  4  4  2  2 -1 -1]
+     [-1 -1  4  4  4  4  2  2 -1 -1]
+     [-1 -1  4  4  4  4  2  2 -1 -1]
+     [-1 -1 -1 -1  4  4  2 -1 -1 -1]
+     [-1 -1 -1 -1 -1 -1 -1 -1 -1 -1]]
+    >>> print(map.depth[1].round(2))
+    [ inf 4.47 4.18 4.18 4.18 4.18 4.18 4.18  inf  inf]
     """
     chosen = method_named(method)
     if not isinstance(scene, Scene | View):

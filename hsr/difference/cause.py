@@ -106,6 +106,13 @@ def causes(view: View, answer: VisibilityMap, truth: VisibilityMap, **options: A
         If the maps have not the size of the view, or ``truth`` knows no admissible owners.
     MethodError
         If the method does not have such an option.
+
+    Examples
+    --------
+    >>> import hsr
+    >>> view = hsr.view(hsr.load("scenes/cyclic.toml"), size=(12, 9))
+    >>> hsr.causes(view, hsr.render(view, "painter"), hsr.render(view, "exact")).counts
+    {'no depth test': 2}
     """
     _check(view, answer, truth)
     samples = np.flatnonzero(~truth.admits(answer.face))

@@ -168,6 +168,17 @@ class Difference:
         ----------
         clusters : int or None
             How many clusters to name at most; all of them for None.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import hsr
+        >>> from hsr.testing import from_ids
+        >>> mine = from_ids(np.array([[0, 0, 1], [0, 2, 1]]), method="mine")
+        >>> theirs = from_ids(np.array([[0, 0, 1], [0, 1, 1]]), method="theirs")
+        >>> print(hsr.compare(mine, theirs).summary())
+        mine vs theirs  3x2  1 differ (1 wrong face), largest cluster 1, 0 off by one pixel
+          1 wrong face  row 1, column 1  shows unknown face 2, expected unknown face 1
         """
         named = self.clusters[:clusters]
         lines = [self._headline(), *(f"  {self.describe(cluster)}" for cluster in named)]
@@ -286,6 +297,24 @@ def compare(a: VisibilityMap, b: VisibilityMap, truth: VisibilityMap | None = No
     ------
     MapError
         If the maps have different sizes, or show different scenes or by different cameras.
+
+    Examples
+    --------
+    >>> import hsr
+    >>> view = hsr.view(hsr.load("scenes/cyclic.toml"), size=(12, 9))
+    >>> difference = hsr.compare(hsr.render(view, "painter"), hsr.render(view, "exact"))
+    >>> print(difference.classes)  # 3 is a wrong face, 4 the right one at another depth
+    [[0 0 0 0 0 0 0 0 0 0 0 0]
+     [0 0 0 0 0 0 0 0 0 0 0 0]
+     [0 0 0 0 0 3 0 0 0 0 0 0]
+     [0 0 0 0 0 0 0 0 0 0 0 0]
+     [0 0 0 0 0 0 4 0 0 0 0 0]
+     [0 0 0 0 0 0 0 0 0 4 0 0]
+     [0 0 0 0 0 4 0 4 3 0 0 0]
+     [0 0 0 0 0 0 0 0 0 0 0 0]
+     [0 0 0 0 0 0 0 0 0 0 0 0]]
+    >>> difference.different, difference.same
+    (2, False)
     """
     _check_comparable(a, b)
     if truth is not None:

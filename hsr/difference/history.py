@@ -258,6 +258,16 @@ def history(
         If there is no such sample, or the view has no exact answer.
     MapError
         If a map is not of this view.
+
+    Examples
+    --------
+    >>> import hsr
+    >>> view = hsr.view(hsr.load("scenes/cyclic.toml"), size=(12, 9))
+    >>> told = hsr.history(view, 2, 5, [hsr.render(view, "painter")])
+    >>> [(entry.name, round(float(entry.layer.depth), 2)) for entry in told.entries if entry.layer.covered]
+    [('third.front', 5.64), ('third.back', 5.84), ('second.front', 6.16), ('second.back', 6.37)]
+    >>> print(told.stories[0].sentence.split("; ")[0])
+    painter shows second.front because it paints without comparing depths (no depth test)
     """
     check_sample(view, row, column)
     sample = row * view.width + column

@@ -131,6 +131,16 @@ class VisibilityMap:
         -------
         (H, W) bool
             Whether they are the owners here or, at a tie, others who may own it.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import hsr
+        >>> scene = hsr.load("scenes/coplanar.toml")
+        >>> truth = hsr.render(scene, "exact", size=(8, 6))
+        >>> other = hsr.render(scene, "painter", size=(8, 6))
+        >>> print((other.face != truth.face).sum(), (~truth.admits(other.face)).sum())
+        1 0
         """
         fine: Bools = (face == self.face).ravel()
         if self.admissible is not None:
@@ -139,7 +149,15 @@ class VisibilityMap:
         return fine.reshape(face.shape)
 
     def name_of(self, face: int) -> str:
-        """Return what a person calls a face: ``cube.top``, ``bunny#18211`` or ``background``."""
+        """Return what a person calls a face: ``cube.top``, ``bunny#18211`` or ``background``.
+
+        Examples
+        --------
+        >>> import hsr
+        >>> map = hsr.render(hsr.load("scenes/cube.toml"), size=(10, 8))
+        >>> map.name_of(4), map.name_of(-1)
+        ('cube.front', 'background')
+        """
         return name_in(self.manifest, face)
 
     def _repr_html_(self) -> str:
@@ -157,6 +175,13 @@ class VisibilityMap:
         ------
         MapError
             If the file cannot be written.
+
+        Examples
+        --------
+        >>> import hsr
+        >>> hsr.render(hsr.load("scenes/cube.toml"), size=(10, 8)).save("cube.npz")
+        >>> hsr.load_map("cube.npz").method
+        'zbuffer'
         """
         meta = {"hsr": FORMAT} | {key: getattr(self, key) for key in TOLD}
         text = json.dumps(meta, sort_keys=True, separators=(",", ":"))
@@ -195,6 +220,13 @@ def load_map(path: str | Path) -> VisibilityMap:
     ------
     MapError
         If the file is missing, or is not a map of this version.
+
+    Examples
+    --------
+    >>> import hsr
+    >>> hsr.render(hsr.load("scenes/cube.toml"), size=(10, 8)).save("cube.npz")
+    >>> print(hsr.load_map("cube.npz").face[1])
+    [-1  4  0  0  0  0  0  0 -1 -1]
     """
     try:
         with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as arrays:

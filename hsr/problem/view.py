@@ -241,6 +241,15 @@ def view(scene: Scene, size: tuple[int, int] = (512, 512), camera: str | None = 
     ------
     ViewError
         If the size is not two whole numbers in range, the scene has no such camera, or too many faces.
+
+    Examples
+    --------
+    >>> import hsr
+    >>> view = hsr.view(hsr.load("scenes/cube.toml"), size=(10, 8))
+    >>> view.width, view.height, view.faces
+    (10, 8, 6)
+    >>> view.manifest[0]["faces"]
+    ['top', 'bottom', 'right', 'left', 'front', 'back']
     """
     width, height = _checked_size(size)
     projection = _projected(_camera_named(scene, camera), width / height)

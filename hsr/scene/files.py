@@ -78,6 +78,13 @@ def load(path: str | Path) -> Scene:
     ------
     SceneError
         With one line for each problem of the file and of the meshes it names.
+
+    Examples
+    --------
+    >>> import hsr
+    >>> scene = hsr.load("scenes/cyclic.toml")
+    >>> scene.title, [thing.name for thing in scene.object]
+    ('Cyclic overlap', ['first', 'second', 'third'])
     """
     path = Path(path)
     ending = path.suffix.lower()

@@ -65,6 +65,14 @@ def assert_agree(
         If maps differ in size, scene or camera, so that comparing them means nothing.
     CheckError
         If a limit makes no sense.
+
+    Examples
+    --------
+    >>> import hsr
+    >>> scene = hsr.load("scenes/cube.toml")
+    >>> truth = hsr.render(scene, "exact", size=(10, 8))
+    >>> mine = hsr.render(scene, "scanline", size=(10, 8))
+    >>> hsr.testing.assert_agree({"mine": mine}, truth, scene=scene)
     """
     _demand(agreement(maps, reference, merged([(CALLER, limits)]), scene, camera))
 
@@ -94,6 +102,16 @@ def assert_same_visibility(
         If the maps differ in size, scene or camera, so that comparing them means nothing.
     CheckError
         If a limit makes no sense.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from hsr.testing import assert_same_visibility, from_ids
+    >>> one, other = from_ids(np.array([[0, 0, 1, 1]])), from_ids(np.array([[0, 1, 1, 1]]))
+    >>> assert_same_visibility(one, other, max_diff_pixels=1)
+    >>> assert_same_visibility(one, other)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    hsr.base.errors.VisibilityError: ...
     """
     assert_agree({a.method: a}, b, scene=scene, camera=camera, **limits)
 
@@ -122,6 +140,13 @@ def assert_matches_baseline(
         If none matches, or there is none.
     HsrError
         If a file cannot be read or a limit makes no sense.
+
+    Examples
+    --------
+    >>> import hsr
+    >>> map = hsr.render(hsr.load("scenes/cube.toml"), size=(10, 8))
+    >>> map.save("baseline.npz")
+    >>> hsr.testing.assert_matches_baseline(map, ["baseline.npz"])
     """
     paths = [Path(file) for file in files]
     if not paths:
@@ -149,6 +174,13 @@ def assert_similar(picture: Pixels, reference: Pixels, min_similarity: float = M
         If the pictures cannot be compared.
     UnavailableError
         If scikit-image is not installed.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from hsr.testing import assert_similar
+    >>> picture = np.arange(256, dtype=np.uint8).reshape(16, 16)
+    >>> assert_similar(picture, picture // 2 * 2)
     """
     alike = compared(picture, reference, min_similarity)
     if not alike.passed:

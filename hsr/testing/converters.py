@@ -66,6 +66,15 @@ def from_ids(
     ------
     MapError
         If ids are no whole numbers, name triangles that do not exist, or sizes differ.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from hsr.testing import from_ids
+    >>> ids = np.array([[0, 0, 0], [0, 1, 1]])  # 0 where nothing is, then triangles from 1 on
+    >>> print(from_ids(ids, background=0, first=1, bottom_up=True).face)
+    [[-1  0  0]
+     [-1 -1 -1]]
     """
     ids = np.asarray(ids)
     if ids.ndim != 2:
@@ -281,6 +290,15 @@ def by_object(map: VisibilityMap) -> VisibilityMap:
     ------
     MapError
         If the map does not say which faces belong to which object.
+
+    Examples
+    --------
+    >>> import hsr
+    >>> from hsr.testing import by_object
+    >>> map = hsr.render(hsr.load("scenes/cyclic.toml"), "exact", size=(12, 9))
+    >>> print(by_object(map).face[6:8])
+    [[-1 -1 -1  0  0  0  0  0  1 -1 -1 -1]
+     [-1 -1  0  2 -1 -1 -1 -1 -1  1 -1 -1]]
     """
     if not map.manifest:
         raise MapError(f"the map of {map.method} has no manifest: its objects are not known")
