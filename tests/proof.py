@@ -33,7 +33,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 import hsr
-from hsr.algorithms.registry import method_named
+from hsr.algorithms.registry import certified_methods, method_named
 from hsr.base.errors import UnavailableError
 from hsr.difference.cause import Causes, causes
 from hsr.problem.view import View
@@ -43,7 +43,7 @@ from tests.exact.adversarial import adversarial
 SCENES = Path(__file__).parent.parent / "scenes"
 MESHES = (".obj", ".ply", ".stl", ".off", ".glb")
 
-CERTIFIED = ("zbuffer", "raycast")
+CERTIFIED = certified_methods()
 METHODS = (*CERTIFIED, "scanline", "scanline-float32", "opengl", "embree")
 NOT_OURS = "embree"
 """Its model follows what is published of it; what remains unexplained is reported."""

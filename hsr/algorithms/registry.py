@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cache
+from importlib import import_module
 from importlib.metadata import entry_points
 from typing import Any
 
@@ -21,9 +21,16 @@ WARM_UP = 8
 """Side in pixels of the picture a method draws before it is timed."""
 
 
+GROWTHS = ("", "fragments", "hierarchy")
+"""Laws of cost that a row may name."""
+
+RESOLVES = ("depth", "order", "nothing")
+"""By what a method may tell which of two faces is in front."""
+
+
 @dataclass(frozen=True)
 class Method:
-    """A named variant of an algorithm.
+    """A named variant of an algorithm; all that is known of it anywhere stands here.
 
     Attributes
     ----------
@@ -41,6 +48,21 @@ class Method:
         What the machine must have: ``"opengl"``, ``"embree"`` or nothing.
     exhaustive : bool
         Whether it may test every face at every sample, which large scenes make slow.
+    certified : bool
+        Whether every sign that it decides by is proven: it is held to the exact map at every sample.
+    pipeline : str
+        Module with a ``PIPELINE``, the models that name the causes of its wrong samples; see
+        :mod:`hsr.models.stages`.
+    probe : str
+        Module with a function ``probe(view, options)``, what a lesson watches; see :mod:`hsr.lessons.probes`.
+    growth : str
+        Its law of cost: ``"fragments"`` if it sets up every face and visits every fragment, ``"hierarchy"``
+        if it enters a hierarchy once a pixel, or nothing is known.
+    resolves : str
+        What tells which of two faces is in front: their ``"depth"`` at every sample, an ``"order"`` of whole
+        faces, or ``"nothing"``, so that no two that face the eye may overlap on the screen.
+    asked_only : bool
+        Whether it is run only when asked for by name.
     """
 
     name: str
@@ -50,6 +72,17 @@ class Method:
     curved: bool = False
     needs: str = ""
     exhaustive: bool = False
+    certified: bool = False
+    pipeline: str = ""
+    probe: str = ""
+    growth: str = ""
+    resolves: str = "depth"
+    asked_only: bool = False
+
+    def __post_init__(self) -> None:
+        for name, known in (("growth", GROWTHS), ("resolves", RESOLVES)):
+            if getattr(self, name) not in known:
+                raise MethodError(f"{self.name}: {name} {getattr(self, name)!r} is none of {known}")
 
     def options(self, **overrides: Any) -> Any:
         """Return the options of this variant, with some of them replaced.
@@ -59,7 +92,7 @@ class Method:
         MethodError
             If an option does not exist or its value is refused.
         """
-        defaults = importlib.import_module(self.module).Options
+        defaults = _part(self.module, "Options")
         known = [option.name for option in fields(defaults)]
         for name in overrides:
             if name not in known:
@@ -69,184 +102,184 @@ class Method:
     def render(self, view: View, **overrides: Any) -> VisibilityMap:
         """Run the method on a view; see :func:`render`."""
         options = self.options(**overrides)
-        answer: VisibilityMap = importlib.import_module(self.module).render(view, options)
+        answer: VisibilityMap = _part(self.module, "render")(view, options)
         return replace(answer, method=self.name, manifest=view.manifest, hashes=view.hashes)
 
     def warm_up(self, view: View) -> None:
         """Render a tiny picture of the same objects, so that compiling is not timed later."""
         self.render(replace(view, width=WARM_UP, height=WARM_UP))
 
+    def load_pipeline(self) -> Any:
+        """Return the models of the method, None if its row names none."""
+        return _part(self.pipeline, "PIPELINE") if self.pipeline else None
 
-SCANLINE = "hsr.algorithms.scanline"
+    def load_probe(self) -> Any:
+        """Return what makes the probe of a run, None if the row names none."""
+        return _part(self.probe, "probe") if self.probe else None
+
+
+def _part(module: str, name: str) -> Any:
+    """Import what a row names."""
+    try:
+        return getattr(import_module(module), name)
+    except AttributeError as error:
+        raise MethodError(f"{module} has no {name}, which the row of a method names") from error
+
+
+def _variant(of: Method, name: str, about: str, **settings: Any) -> Method:
+    """Make a variant of a method, not certified; its settings come on top of those of the method."""
+    settings = {**of.settings, **settings}
+    return replace(of, name=f"{of.name}-{name}", about=about, settings=settings, certified=False)
+
+
+SCANLINE = Method(
+    "scanline",
+    "depth buffer, incremental scan conversion, float64",
+    "hsr.algorithms.scanline",
+    pipeline="hsr.models.scanline",
+    probe="hsr.lessons.probes.scanline",
+    growth="fragments",
+)
+
+ZBUFFER = Method(
+    "zbuffer",
+    "depth buffer, half-space tests with hierarchical z, certified",
+    "hsr.algorithms.zbuffer",
+    certified=True,
+    pipeline="hsr.models.zbuffer",
+    probe="hsr.lessons.probes.zbuffer",
+    growth="fragments",
+)
+
+RAYCAST = Method(
+    "raycast",
+    "ray casting, coherent tiles of rays, certified",
+    "hsr.algorithms.raycast",
+    curved=True,
+    certified=True,
+    pipeline="hsr.models.raycast",
+    probe="hsr.lessons.probes.raycast",
+    growth="hierarchy",
+)
+
+EMBREE = Method(
+    "embree",
+    "Embree through embreex's own API",
+    "hsr.algorithms.embree",
+    needs="embree",
+    pipeline="hsr.models.embree.pipeline",
+    growth="hierarchy",
+)
+
+FLOAT32 = {"arithmetic": "float32", "depth_format": "d32f"}
+SINGLE = {"acceleration": "hierarchy"}
+EDGES, TRUMBORE, WOOP = ({**SINGLE, "test": test} for test in ("edge-planes", "moller-trumbore", "woop"))
 
 BUILT_IN = (
-    Method("exact", "exact arithmetic: the truth, and every tie", "hsr.algorithms.exact", {}, True),
-    Method("backface", "back-face culling alone: what is left, in file order", "hsr.algorithms.backface"),
-    Method("painter", "polygons painted back to front by their farthest corner", "hsr.algorithms.painter"),
-    Method("scanline", "depth buffer, incremental scan conversion, float64", SCANLINE),
+    Method("exact", "exact arithmetic: the truth, and every tie", "hsr.algorithms.exact", curved=True),
     Method(
-        "scanline-direct",
-        "scan conversion, plane and edges evaluated at every sample, float64",
-        SCANLINE,
-        {"stepping": "direct"},
+        "backface",
+        "back-face culling alone: what is left, in file order",
+        "hsr.algorithms.backface",
+        pipeline="hsr.models.backface",
+        probe="hsr.lessons.probes.backface",
+        growth="fragments",
+        resolves="nothing",
     ),
     Method(
-        "scanline-float32",
-        "scan conversion, incremental, float32",
-        SCANLINE,
-        {"arithmetic": "float32", "depth_format": "d32f"},
+        "painter",
+        "polygons painted back to front by their farthest corner",
+        "hsr.algorithms.painter",
+        pipeline="hsr.models.painter",
+        resolves="order",
     ),
-    Method(
-        "scanline-float32-direct",
-        "scan conversion, evaluated at every sample, float32",
-        SCANLINE,
-        {"arithmetic": "float32", "depth_format": "d32f", "stepping": "direct"},
+    SCANLINE,
+    *(
+        _variant(SCANLINE, name, f"scan conversion, {about}", **settings)
+        for name, about, settings in (
+            ("direct", "plane and edges evaluated at every sample, float64", {"stepping": "direct"}),
+            ("float32", "incremental, float32", FLOAT32),
+            ("float32-direct", "evaluated at every sample, float32", {**FLOAT32, "stepping": "direct"}),
+            (
+                "fixed",
+                "incremental, 24-bit depth with 12 guard bits",
+                {"arithmetic": "fixed", "guard_bits": 12, "depth_format": "d24"},
+            ),
+            ("d16", "depths stored in 16 bits", {"depth_format": "d16"}),
+            ("d24", "depths stored in 24 bits", {"depth_format": "d24"}),
+            (
+                "d32f-reversed",
+                "depths stored as float32, 1 at near and 0 at far",
+                {"depth_format": "d32f-reversed"},
+            ),
+            ("w16", "linear depths stored in 16 bits", {"depth_format": "w16"}),
+            ("snap-4", "corners on a grid of 1/16 pixel", {"subpixel_bits": 4}),
+            ("snap-8", "corners on a grid of 1/256 pixel", {"subpixel_bits": 8}),
+            (
+                "bottom-left",
+                "bottom edges own their samples, not top edges",
+                {"fill_rule": "bottom-left"},
+            ),
+            ("less-equal", "of equal depths the last drawn is kept", {"depth_test": "less-equal"}),
+        )
     ),
-    Method(
-        "scanline-fixed",
-        "scan conversion, incremental, 24-bit depth with 12 guard bits",
-        SCANLINE,
-        {"arithmetic": "fixed", "guard_bits": 12, "depth_format": "d24"},
-    ),
-    Method("scanline-d16", "scan conversion, depths stored in 16 bits", SCANLINE, {"depth_format": "d16"}),
-    Method("scanline-d24", "scan conversion, depths stored in 24 bits", SCANLINE, {"depth_format": "d24"}),
-    Method(
-        "scanline-d32f-reversed",
-        "scan conversion, depths stored as float32, 1 at near and 0 at far",
-        SCANLINE,
-        {"depth_format": "d32f-reversed"},
-    ),
-    Method(
-        "scanline-w16", "scan conversion, linear depths stored in 16 bits", SCANLINE, {"depth_format": "w16"}
-    ),
-    Method(
-        "scanline-snap-4",
-        "scan conversion, corners on a grid of 1/16 pixel",
-        SCANLINE,
-        {"subpixel_bits": 4},
-    ),
-    Method(
-        "scanline-snap-8",
-        "scan conversion, corners on a grid of 1/256 pixel",
-        SCANLINE,
-        {"subpixel_bits": 8},
-    ),
-    Method(
-        "scanline-bottom-left",
-        "scan conversion, bottom edges own their samples, not top edges",
-        SCANLINE,
-        {"fill_rule": "bottom-left"},
-    ),
-    Method(
-        "scanline-less-equal",
-        "scan conversion, of equal depths the last drawn is kept",
-        SCANLINE,
-        {"depth_test": "less-equal"},
-    ),
-    Method(
-        "zbuffer", "depth buffer, half-space tests with hierarchical z, certified", "hsr.algorithms.zbuffer"
-    ),
-    Method(
-        "zbuffer-plain",
-        "the same without certification: rounding decides",
-        "hsr.algorithms.zbuffer",
-        {"certified": False},
-    ),
-    Method("raycast", "ray casting, coherent tiles of rays, certified", "hsr.algorithms.raycast", {}, True),
-    Method(
-        "raycast-plain",
-        "the same without certification: rounding decides",
-        "hsr.algorithms.raycast",
-        {"certified": False},
-        True,
-    ),
-    Method(
-        "raycast-single",
-        "ray casting, one ray at a time through extents and hierarchies",
-        "hsr.algorithms.raycast",
-        {"acceleration": "hierarchy"},
-        True,
-    ),
-    Method(
-        "raycast-extents",
-        "ray casting over the object list, an extent around every object",
-        "hsr.algorithms.raycast",
-        {"acceleration": "extents"},
-        True,
+    ZBUFFER,
+    _variant(ZBUFFER, "plain", "the same without certification: rounding decides", certified=False),
+    RAYCAST,
+    _variant(RAYCAST, "plain", "the same without certification: rounding decides", certified=False),
+    _variant(RAYCAST, "single", "ray casting, one ray at a time through extents and hierarchies", **SINGLE),
+    replace(
+        _variant(
+            RAYCAST,
+            "extents",
+            "ray casting over the object list, an extent around every object",
+            acceleration="extents",
+        ),
         exhaustive=True,
     ),
-    Method(
-        "raycast-list",
-        "ray casting as the textbook has it: every ray against the whole object list",
-        "hsr.algorithms.raycast",
-        {"acceleration": "none"},
-        True,
+    replace(
+        _variant(
+            RAYCAST,
+            "list",
+            "ray casting as the textbook has it: every ray against the whole object list",
+            acceleration="none",
+        ),
         exhaustive=True,
     ),
-    Method(
-        "raycast-edge-planes",
-        "ray casting, single rays, triangles by the planes through eye and edges",
-        "hsr.algorithms.raycast",
-        {"acceleration": "hierarchy", "test": "edge-planes"},
-        True,
+    *(
+        _variant(RAYCAST, name, f"ray casting, single rays, {about}", **settings)
+        for name, about, settings in (
+            ("edge-planes", "triangles by the planes through eye and edges", EDGES),
+            ("moller-trumbore", "triangles by Möller and Trumbore's test", TRUMBORE),
+            ("woop", "triangles by Woop's watertight test", WOOP),
+            ("float32", "edge planes in float32", {**EDGES, "arithmetic": "float32"}),
+            (
+                "moller-trumbore-float32",
+                "Möller and Trumbore's test in float32",
+                {**TRUMBORE, "arithmetic": "float32"},
+            ),
+            ("woop-float32", "Woop's watertight test in float32", {**WOOP, "arithmetic": "float32"}),
+            ("naive-slabs", "extents without care for rounding", {**SINGLE, "slabs": "naive"}),
+        )
     ),
     Method(
-        "raycast-moller-trumbore",
-        "ray casting, single rays, triangles by Möller and Trumbore's test",
-        "hsr.algorithms.raycast",
-        {"acceleration": "hierarchy", "test": "moller-trumbore"},
-        True,
+        "opengl",
+        "headless OpenGL: OSMesa, else EGL",
+        "hsr.algorithms.opengl",
+        needs="opengl",
+        pipeline="hsr.models.llvmpipe.pipeline",
+        growth="fragments",
     ),
-    Method(
-        "raycast-woop",
-        "ray casting, single rays, triangles by Woop's watertight test",
-        "hsr.algorithms.raycast",
-        {"acceleration": "hierarchy", "test": "woop"},
-        True,
-    ),
-    Method(
-        "raycast-float32",
-        "ray casting, single rays, edge planes in float32",
-        "hsr.algorithms.raycast",
-        {"acceleration": "hierarchy", "test": "edge-planes", "arithmetic": "float32"},
-        True,
-    ),
-    Method(
-        "raycast-moller-trumbore-float32",
-        "ray casting, single rays, Möller and Trumbore's test in float32",
-        "hsr.algorithms.raycast",
-        {"acceleration": "hierarchy", "test": "moller-trumbore", "arithmetic": "float32"},
-        True,
-    ),
-    Method(
-        "raycast-woop-float32",
-        "ray casting, single rays, Woop's watertight test in float32",
-        "hsr.algorithms.raycast",
-        {"acceleration": "hierarchy", "test": "woop", "arithmetic": "float32"},
-        True,
-    ),
-    Method(
-        "raycast-naive-slabs",
-        "ray casting, single rays, extents without care for rounding",
-        "hsr.algorithms.raycast",
-        {"acceleration": "hierarchy", "slabs": "naive"},
-        True,
-    ),
-    Method("opengl", "headless OpenGL: OSMesa, else EGL", "hsr.algorithms.opengl", {}, False, "opengl"),
-    Method("embree", "Embree through embreex's own API", "hsr.algorithms.embree", {}, False, "embree"),
-    Method(
-        "embree-packets",
+    EMBREE,
+    _variant(
+        EMBREE,
+        "packets",
         "Embree's library, packets of 4 x 4 coherent rays on all threads",
-        "hsr.algorithms.embree",
-        {"interface": "packets"},
-        needs="embree",
+        interface="packets",
     ),
-    Method(
-        "embree-single",
-        "Embree's library, one ray at a time on all threads",
-        "hsr.algorithms.embree",
-        {"interface": "single"},
-        needs="embree",
+    replace(
+        _variant(EMBREE, "single", "Embree's library, one ray at a time on all threads", interface="single"),
+        asked_only=True,
     ),
 )
 
@@ -293,11 +326,19 @@ def default_methods() -> list[str]:
     -------
     list of str
         The method that a family is called after, every peer from outside (it needs something of the
-        machine), and what tests every face at every sample. Left out are variants, such as ``scanline-d16``.
+        machine), and what tests every face at every sample. Left out are variants, such as ``scanline-d16``,
+        and what is run only when asked for.
     """
     return [
-        name for name, method in methods().items() if "-" not in name or method.needs or method.exhaustive
+        name
+        for name, method in methods().items()
+        if ("-" not in name or method.needs or method.exhaustive) and not method.asked_only
     ]
+
+
+def certified_methods() -> tuple[str, ...]:
+    """Name the methods that show the truth wherever they are asked."""
+    return tuple(name for name, method in methods().items() if method.certified)
 
 
 def render(

@@ -9,31 +9,19 @@ in the method or in its model. There is no tolerance anywhere.
 
 from __future__ import annotations
 
-import importlib
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from hsr.algorithms.registry import Method, methods
+from hsr.algorithms.registry import methods
 from hsr.base.arrays import Array, Pixels
 from hsr.base.errors import MapError
 from hsr.models.rounded import tessellated_truth
 from hsr.models.stages import Cause, Pipeline
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View
-
-PIPELINES = {
-    "hsr.algorithms.backface": "hsr.models.backface",
-    "hsr.algorithms.embree": "hsr.models.embree.pipeline",
-    "hsr.algorithms.opengl": "hsr.models.llvmpipe.pipeline",
-    "hsr.algorithms.painter": "hsr.models.painter",
-    "hsr.algorithms.raycast": "hsr.models.raycast",
-    "hsr.algorithms.zbuffer": "hsr.models.zbuffer",
-    "hsr.algorithms.scanline": "hsr.models.scanline",
-}
-"""The module with the ``PIPELINE`` of each method's module. A method without one has no models."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +106,7 @@ def causes(view: View, answer: VisibilityMap, truth: VisibilityMap, **options: A
     samples = np.flatnonzero(~truth.admits(answer.face))
     cause = np.zeros(answer.face.shape, dtype=np.uint8)
     method = methods().get(answer.method)
-    pipeline = None if method is None else pipeline_of(method)
+    pipeline: Pipeline | None = method.load_pipeline() if method else None
     if method is None or pipeline is None:
         cause.ravel()[samples] = Cause.UNEXPLAINED
         return Causes(answer.method, cause, None)
@@ -136,14 +124,6 @@ def _check(view: View, answer: VisibilityMap, truth: VisibilityMap) -> None:
             )
     if truth.admissible is None:
         raise MapError(f"truth: a map by {truth.method} does not say who may own ties; render it by 'exact'")
-
-
-def pipeline_of(method: Method) -> Pipeline | None:
-    """Return the models of a method, None if it has none."""
-    if method.module not in PIPELINES:
-        return None
-    pipeline: Pipeline = importlib.import_module(PIPELINES[method.module]).PIPELINE
-    return pipeline
 
 
 def _traced(view: View, answer: VisibilityMap, pipeline: Pipeline, options: Any, samples: Array) -> Pixels:

@@ -52,12 +52,6 @@ LAWS: dict[str, Law] = {
 CONSTANTS = 2
 """That a law has at most: through no more points than these it would run whatever they are."""
 
-BUFFERS = ("backface", "zbuffer", "scanline", "opengl")
-"""Families that set up every face and visit every fragment."""
-
-RAYS = ("raycast", "embree")
-"""Families that enter a hierarchy once a pixel."""
-
 
 @dataclass(frozen=True)
 class Series:
@@ -203,12 +197,13 @@ def exponent(x: Sequence[float], y: Sequence[float]) -> Exponent | None:
 def law_of(method: str, series: str) -> str | None:
     """Name the law that theory gives a method for a series; None for methods of which it says nothing."""
     known = methods().get(method)
-    family = method.partition("-")[0]
-    if known is not None and known.exhaustive:
+    if known is None:
+        return None
+    if known.exhaustive:
         return "c x"
-    if family in RAYS and series != "pixels":
+    if known.growth == "hierarchy" and series != "pixels":
         return "a + b log x"
-    return "a + b x" if family in RAYS + BUFFERS else None
+    return "a + b x" if known.growth else None
 
 
 def fitted(law: str, x: Sequence[float], y: Sequence[float]) -> list[float]:

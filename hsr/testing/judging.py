@@ -10,7 +10,7 @@ import numpy as np
 from hsr.algorithms.registry import methods
 from hsr.base.arrays import Bools, Ints
 from hsr.base.errors import CheckError
-from hsr.difference.cause import Causes, causes, pipeline_of
+from hsr.difference.cause import Causes, causes
 from hsr.difference.classes import OTHER_OWNER, Cluster, Difference, compare, depth_step, find_clusters
 from hsr.difference.history import history
 from hsr.mistakes.planted import MISTAKES, planted
@@ -221,7 +221,7 @@ def _apart(difference: Difference, truth: VisibilityMap | None) -> tuple[Bools, 
 def _causes(shown: VisibilityMap, truth: VisibilityMap | None, problem: Problem | None) -> Causes | None:
     """Find why samples are wrong, where the truth is known and the method has models."""
     method = methods().get(shown.method)
-    if truth is None or problem is None or method is None or pipeline_of(method) is None:
+    if truth is None or problem is None or method is None or not method.pipeline:
         return None
     return causes(problem.view, shown, truth)
 

@@ -15,6 +15,8 @@ from hsr.base.errors import MethodError, UnavailableError, ViewError
 from hsr.difference.classes import depth_step
 from hsr.problem.map import VisibilityMap
 
+NOT_RECORDED = ("exact", "painter", "opengl", "embree")
+
 CUBE = [{"name": "box", "shape": "cube"}]
 
 
@@ -134,5 +136,24 @@ def test_the_default_is_one_of_each_family_and_every_peer(monkeypatch: pytest.Mo
     names = ("paint", "paint-quick", "paint-list", "brush-gold")
     made = {name: Method(name, "", "nowhere", exhaustive=name.endswith("list")) for name in names}
     made["brush-gold"] = replace(made["brush-gold"], needs="gold")
+    made["brush-old"] = replace(made["brush-gold"], asked_only=True)
     monkeypatch.setattr(registry, "methods", lambda: made)
     assert registry.default_methods() == ["paint", "paint-list", "brush-gold"]
+
+
+def test_the_certified_are_two() -> None:
+    assert registry.certified_methods() == ("zbuffer", "raycast")
+
+
+@pytest.mark.parametrize("method", BUILT_IN, ids=lambda method: method.name)
+def test_what_a_row_names_is_there(method: Method) -> None:
+    method.options()
+    assert (method.load_pipeline() is None) == (method.name == "exact")
+    assert (method.load_probe() is None) == (method.name.partition("-")[0] in NOT_RECORDED)
+
+
+def test_a_row_with_an_unknown_word_is_refused() -> None:
+    with pytest.raises(MethodError, match="brush: growth 'fast' is none of"):
+        Method("brush", "", "nowhere", growth="fast")
+    with pytest.raises(MethodError, match=r"hsr\.algorithms\.scanline has no PIPELINE, which the row"):
+        Method("brush", "", "nowhere", pipeline="hsr.algorithms.scanline").load_pipeline()

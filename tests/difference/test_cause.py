@@ -16,7 +16,7 @@ from hsr.algorithms import scanline as algorithm
 from hsr.algorithms.prepare import ray_tiles
 from hsr.algorithms.registry import BUILT_IN, method_named
 from hsr.base.errors import MapError, MethodError
-from hsr.difference.cause import Causes, causes, pipeline_of
+from hsr.difference.cause import Causes, causes
 from hsr.kernels import hierarchy, scanline
 from hsr.models import scanline as models
 from hsr.models.stages import Cause
@@ -255,7 +255,7 @@ def far_away() -> View:
 )
 def test_all_models_are_right_where_rounding_decides_nothing(name: str, truth: VisibilityMap) -> None:
     seen, samples, method = soup(), np.arange(0, 48 * 48, 7), method_named(name)
-    pipeline = pipeline_of(method)
+    pipeline = method.load_pipeline()
     assert pipeline is not None
     for stage in pipeline.stages:
         faces = stage.faces(seen, method.options(), samples)

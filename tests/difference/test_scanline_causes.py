@@ -12,7 +12,7 @@ import pytest
 import hsr
 from hsr.algorithms import exact, scanline
 from hsr.algorithms.registry import methods
-from hsr.difference.cause import Causes, causes, pipeline_of
+from hsr.difference.cause import Causes, causes
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View, view
 from hsr.scene.model import Scene
@@ -137,7 +137,7 @@ def test_all_stages_are_right_where_nothing_is_rounded_wrongly() -> None:
     samples = np.flatnonzero(exact.render(seen, exact.Options()).face >= 0)
     for name in VARIANTS:
         method = methods()[name]
-        pipeline = pipeline_of(method)
+        pipeline = method.load_pipeline()
         assert pipeline is not None and pipeline.stages[-1].cause.label == "depth format"
         for stage in pipeline.stages:
             assert (stage.faces(seen, method.options(), samples) == 0).all(), (name, stage.cause.label)

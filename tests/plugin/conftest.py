@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 import hsr
-from hsr.difference.cause import PIPELINES
 
 collect_ignore = ["sample"]
 
@@ -28,7 +27,8 @@ def project(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> pytes
 @pytest.fixture(scope="session", autouse=True)
 def everything_imported() -> None:
     """Import beforehand what runs of pytest within a test import: after each, pytester forgets it."""
-    modules = [method.module for method in hsr.methods().values()]
+    rows = hsr.methods().values()
+    modules = {module for row in rows for module in (row.module, row.pipeline) if module}
     more = (
         "hsr.testing.results",
         "hsr.testing.accepting",
@@ -37,6 +37,6 @@ def everything_imported() -> None:
         "hypothesis",
         "matplotlib",
     )
-    for module in (*modules, *PIPELINES.values(), *more):
+    for module in (*modules, *more):
         importlib.import_module(module)
     hsr.render(hsr.load(SAMPLE / "room.toml"), "raycast", (4, 4))  # Numba imports more when it first compiles

@@ -11,16 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from hsr.algorithms.registry import method_named, methods
+from hsr.algorithms.registry import certified_methods, method_named, methods
 from hsr.base.arrays import Bools, Ints
 from hsr.base.errors import HsrError
 from hsr.lab.stability import cases
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View, view
 from hsr.scene.model import Scene
-
-CERTIFIED = ("zbuffer", "raycast")
-"""The methods that show the truth wherever they are asked; they take part in every family."""
 
 SIDE, QUICK_SIDE = 64, 32
 """Side of the pictures in samples."""
@@ -239,7 +236,8 @@ class Family:
             If a name is neither a variant of the family nor a method.
         """
         known = {variant.name: variant for variant in self.variants}
-        certified = {name: Variant(name, None, "certified: every sign is proven") for name in CERTIFIED}
+        proven = "certified: every sign is proven"
+        certified = {name: Variant(name, None, proven) for name in certified_methods()}
         # A peer is a method that needs more than this package.
         outside = [method for method in methods().values() if method.needs]
         if quick:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hsr.lab.stability.family import CERTIFIED
+from hsr.algorithms.registry import certified_methods
 from hsr.lab.stability.judge import Result, Row
 from hsr.pictures.charts import COLOURS, SHAPES, svg
 
@@ -62,7 +62,7 @@ def draw(result: Result) -> Figure:
     """Draw a result as a matplotlib figure, in the style that is current."""
     from matplotlib.figure import Figure
 
-    panels = _panels([row for row in result.rows if row.variant not in CERTIFIED])
+    panels = _panels([row for row in result.rows if row.variant not in certified_methods()])
     figure = Figure(figsize=(8.2, 3.4 * len(panels) + 0.3), layout="constrained")
     every = figure.subplots(len(panels), sharex=True, sharey=True, squeeze=False)[:, 0]
     _scale(every[0], result)
@@ -88,7 +88,7 @@ def _panels(rows: Sequence[Row]) -> list[list[Row]]:
 
 def _draw_panel(axes: Axes, result: Result, rows: Sequence[Row]) -> None:
     for row in result.rows:
-        if row.variant in CERTIFIED:
+        if row.variant in certified_methods():
             _draw_certified(axes, row)
     # Marks become smaller, so that those of equal rows show as rings about each other.
     styles, lines = zip(COLOURS, SHAPES, np.linspace(8.0, 3.0, len(COLOURS)), strict=True), cycle(LINES)
@@ -130,7 +130,7 @@ def _scale(axes: Axes, result: Result) -> None:
 
 
 def _draw_certified(axes: Axes, row: Row) -> None:
-    first = row.variant == CERTIFIED[0]
+    first = row.variant == certified_methods()[0]
     colour, thick = ("#c9e3d8", 5.0) if first else ("#222222", 2.0)
     label = f"{row.variant} (certified)"
     axes.plot(*_points(row), color=colour, linewidth=thick, label=label, zorder=1, clip_on=False)

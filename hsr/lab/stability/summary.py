@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from hsr.algorithms.registry import certified_methods
 from hsr.lab.machine import commit, machine
-from hsr.lab.stability.family import CERTIFIED
 from hsr.lab.stability.judge import Result, Row, Verdict
 
 INSTRUCTIVE = (
@@ -58,7 +58,7 @@ def headline(families: Sequence[Mapping[str, Any]]) -> str:
     """
     rows = [row for family in families for row in family["rows"]]
     counts = [f"{sum(row['verdict'] == verdict for row in rows)} {verdict}" for verdict in Verdict]
-    certified = sum(row["wrong"] for row in rows if row["variant"] in CERTIFIED)
+    certified = sum(row["wrong"] for row in rows if row["variant"] in certified_methods())
     unexplained: Counter[str] = Counter()
     for row in rows:
         unexplained[row["variant"]] += row["unexplained"]
@@ -97,7 +97,7 @@ def markdown(families: Sequence[Mapping[str, Any]]) -> str:
     table = ["| hard case | variant | what is measured | theory | predicted | measured | certified, wrong |"]
     table.append("|---|---|---|---|---:|---:|---:|")
     for family, row in (found[key] for key in INSTRUCTIVE if key in found):
-        certified = sum(other["wrong"] for other in family["rows"] if other["variant"] in CERTIFIED)
+        certified = sum(other["wrong"] for other in family["rows"] if other["variant"] in certified_methods())
         broken = (number(row["predicted"]), number(row["measured"]), str(certified))
         facts = (family["family"], row["variant"], _figure(family, row), f"`{row['because']}`", *broken)
         table.append(f"| {' | '.join(facts)} |")
