@@ -13,7 +13,6 @@ import numpy as np
 from hsr.algorithms.registry import Method, method_named
 from hsr.algorithms.registry import render as render_by
 from hsr.base.errors import MethodError
-from hsr.lessons.probes import PROBES
 from hsr.lessons.recording import Recording, Turn, record
 from hsr.lessons.topics import Formula, Screen, Topic, Track
 from hsr.problem.map import BACKGROUND
@@ -110,8 +109,17 @@ def view_of(track: Track, scene: Scene | None = None) -> View:
 
 
 def record_by(problem: View, method: Method, options: dict[str, Any]) -> Recording:
-    """Record a method by the probe of its algorithm."""
-    return record(problem, method, PROBES[method.module](problem, method.options(**options)), **options)
+    """Record a method by the probe of its row.
+
+    Raises
+    ------
+    MethodError
+        If its row names none.
+    """
+    probe = method.load_probe()
+    if probe is None:
+        raise MethodError(f"{method.name} cannot be recorded: its row names no probe")
+    return record(problem, method, probe(problem, method.options(**options)), **options)
 
 
 def _check_faces(problem: View) -> None:

@@ -7,7 +7,7 @@ trace function. Nothing of the algorithm is repeated here.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import Any, NamedTuple
@@ -15,70 +15,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hsr.algorithms.registry import Method
-from hsr.base.arrays import Array, Ints
 from hsr.base.errors import MethodError
 from hsr.lessons.interpret import interpreted, python_of
 from hsr.lessons.listing import Listing, Source, listing_of, source_of
+from hsr.lessons.probes import Buffers, Look, Names, Probe
 from hsr.problem.map import BACKGROUND, VisibilityMap
 from hsr.problem.view import View
 
 MOST_STEPS = 60_000
 """Lines that a recording may run: on a page about half a megabyte."""
-
-Function = Callable[..., Any]
-
-Names = Mapping[str, Any]
-"""The variables of a running function."""
-
-Buffers = tuple[Ints, Array]
-"""Faces and depths (H, W), as they are at the moment."""
-
-
-class Beat(NamedTuple):
-    """When a method turns to a sample.
-
-    Attributes
-    ----------
-    function : callable
-    line : str
-        The statement at which it does, as it begins in the source.
-    sample : callable
-        From the variables to row and column, None where it is no sample of the image.
-    face : callable
-        From the variables to the face that asks for the sample, -1 if none does yet.
-    """
-
-    function: Function
-    line: str
-    sample: Callable[[Names], tuple[int, int] | None]
-    face: Callable[[Names], int]
-
-
-class Probe(NamedTuple):
-    """What to watch while a method runs.
-
-    Attributes
-    ----------
-    shown : dict
-        The functions of the listing in reading order, and of each the variables to show, or expressions, as
-        in a debugger.
-    buffers : dict
-        From a function to what finds in its variables a way to read the buffers, None until they are there.
-    beats : tuple of Beat
-    counters : dict
-        What is counted: the function and the statement whose runs are the count.
-    rival : tuple, optional
-        A function, and what reads from its arguments a face met at the sample, -1 for none.
-    until : callable, optional
-        The function at whose first return the recording ends.
-    """
-
-    shown: dict[Function, tuple[str, ...]]
-    buffers: dict[Function, Callable[[Names], Callable[[], Buffers] | None]]
-    beats: tuple[Beat, ...]
-    counters: dict[str, tuple[Function, str]]
-    rival: tuple[Function, Callable[[Names], int]] | None = None
-    until: Function | None = None
 
 
 class Step(NamedTuple):
@@ -159,8 +104,10 @@ def record(view: View, method: Method, probe: Probe, **options: Any) -> Recordin
     Raises
     ------
     MethodError
-        If it runs more than :data:`MOST_STEPS` statements, or the method refuses.
+        If it runs more than :data:`MOST_STEPS` statements, the method refuses, or the probe watches what the
+        method does not have.
     """
+    probe.check()
     recorder = _Recorder(probe, view)
     with interpreted(), _traced(recorder.enter):
         answer = method.render(view, **options)
@@ -186,12 +133,13 @@ class _Recorder:
         self.sources = {python_of(f).__code__: source_of(f) for f in probe.shown}
         self.slots = tuple((f.__name__, name) for f, names in probe.shown.items() for name in names)
         self.watched = [compile(name, "<watched>", "eval") for _, name in self.slots]
-        self.finders = {python_of(f).__code__: find for f, find in probe.buffers.items()}
+        self.looks = {python_of(f).__code__: look for f, look in probe.buffers.items()}
         self.rival = probe.rival and python_of(probe.rival[0]).__code__
         self.until = probe.until and python_of(probe.until).__code__
         self.ended = False
         self.width = view.width
         self.size = (view.height, view.width)
+        self.looked: FrameType | None = None
         self.read: Callable[[], Buffers] | None = None
         self.face = np.full(self.size, BACKGROUND, np.int32)
         self.depth = np.full(self.size, np.inf)
@@ -207,7 +155,7 @@ class _Recorder:
     def enter(self, frame: FrameType, event: str, argument: Any) -> Any:
         """Take the call of a function; return what takes the events within it."""
         code = frame.f_code
-        if self.ended or not (code in self.sources or code in self.finders or code == self.rival):
+        if self.ended or not (code in self.sources or code in self.looks or code == self.rival):
             return None
         if code == self.rival and self.begun:
             assert self.probe.rival is not None
@@ -221,14 +169,22 @@ class _Recorder:
         names, source = frame.f_locals, self.sources.get(frame.f_code)
         if self.lines:
             self._settle(names, source)
-        if frame.f_code in self.finders:
-            self.read = self.finders[frame.f_code](names) or self.read
+        if frame.f_code in self.looks:
+            self._look(frame, self.looks[frame.f_code])
         if event == "line" and source is not None:
             self._step(frame, names, source)
         if event == "return":
             self.at.pop(frame, None)
             self.ended = frame.f_code == self.until
         return self.within
+
+    def _look(self, frame: FrameType, look: Look) -> None:
+        """Find the buffers among the variables of a running function, once they are there."""
+        if look.once not in frame.f_locals:
+            if look.before:
+                look.before(frame.f_locals)
+        elif frame is not self.looked and look.read:
+            self.looked, self.read = frame, look.read(frame.f_locals)
 
     def _settle(self, names: Names, source: Source | None) -> None:
         """Note what the last step has changed."""

@@ -15,7 +15,8 @@ from hsr.kernels import rays, scanline
 from hsr.lessons import recording
 from hsr.lessons.interpret import interpreted, python_of
 from hsr.lessons.lesson import asked, record_by, view_of
-from hsr.lessons.recording import Recording
+from hsr.lessons.probes import Look
+from hsr.lessons.recording import Recording, record
 from hsr.lessons.topics import Track, topics
 from hsr.problem.map import VisibilityMap
 
@@ -30,10 +31,8 @@ TRACKS = [
 def recorded(track: Track, method: str) -> tuple[Recording, VisibilityMap]:
     """Return a recording, and the answer of the compiled method."""
     view = view_of(track)
-    return (
-        record_by(view, method_named(method), track.options),
-        hsr.render(view, method, **track.options),
-    )
+    found = record_by(view, method_named(method), track.options)
+    return found, hsr.render(view, method, **track.options)
 
 
 def replayed(found: Recording) -> tuple[np.ndarray, np.ndarray]:
@@ -140,3 +139,26 @@ def test_questions_are_about_turns_of_either_outcome() -> None:
     chosen = asked(found.turns, 6)
     assert sorted(turn.owner for turn in chosen) == [0, 0, 0, 1, 1, 1]
     assert chosen == sorted(set(chosen)) and asked([], 6) == []
+
+
+def test_the_picture_is_not_wiped_when_a_tile_is_done() -> None:
+    found, _ = recorded(topics()["certified"].track[0], "zbuffer")
+    assert not [step for step in found.steps if any(owner < 0 for _, owner, _ in step.writes)]
+
+
+def test_a_probe_that_watches_what_is_not_there_is_refused() -> None:
+    seen, method = view_of(topics()["depth-buffer"].track[0]), method_named("scanline")
+    probe = method.load_probe()(seen, method.options())
+    drawn = scanline._drawn
+    for broken, said in (
+        ({"shown": {drawn: ("face", "stord")}}, "_drawn has no variable 'stord', which a lesson watches"),
+        ({"buffers": {drawn: Look("j")}}, "_drawn has no variable 'j'"),
+        ({"counters": {"tests": (drawn, "stord =")}}, "no statement of _drawn begins with 'stord ='"),
+    ):
+        with pytest.raises(MethodError, match=said):
+            record(seen, method, probe._replace(**broken))
+
+
+def test_a_method_without_a_probe_cannot_be_recorded() -> None:
+    with pytest.raises(MethodError, match="exact cannot be recorded: its row names no probe"):
+        recorded(topics()["depth-buffer"].track[0], "exact")

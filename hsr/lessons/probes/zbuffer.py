@@ -1,0 +1,61 @@
+"""Half-space tests into a buffer of keys, and the exact answers afterwards."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from hsr.algorithms import zbuffer
+from hsr.kernels.zbuffer import key_buffer, tiles
+from hsr.lessons.probes import Beat, Buffers, Look, Names, Probe, nobody, place
+from hsr.problem.map import BACKGROUND
+from hsr.problem.view import View
+
+
+def probe(view: View, _options: Any) -> Probe:
+    """Watch the samples of each triangle, the doubts, and what decides them."""
+    size, faces = (view.height, view.width), zbuffer.mesh_of(view.tessellated()).faces
+
+    def keys_read(names: Names) -> Callable[[], Buffers]:
+        keys, window, eye = names["keys"], names["window"], names["eye"]
+        face, depth = np.full(size, BACKGROUND, np.int32), np.full(size, np.inf)
+        box, known = (0, len(keys), 0, view.width), keys.copy()
+
+        def read() -> Buffers:
+            if not np.array_equal(keys, known):
+                key_buffer.read_out(keys, window, box, faces, eye, face, depth)
+                known[:] = keys
+            return face, depth
+
+        return read
+
+    def answered(names: Names) -> Callable[[], Buffers]:
+        return lambda: (names["face"], names["depth"])
+
+    def sample(names: Names) -> tuple[int, int] | None:
+        row, column = int(names["line"]), int(names["start"] + names["lane"])
+        return (row, column) if column < view.width else None
+
+    def tested(names: Names) -> int:
+        return int(faces[int(names["number"])]) if names["inner"] >= names["bound"] else BACKGROUND
+
+    tests = "line start lane inner bound z key old inside nearer_by doubtful"
+    return Probe(
+        shown={
+            tiles.draw_table: ("i",),
+            key_buffer.fill: tuple(tests.split()),
+            key_buffer.note: ("line", "column", "inner", "bound"),
+            zbuffer.render: (),
+        },
+        buffers={tiles.draw_tile: Look("window", keys_read), zbuffer.render: Look("found", answered)},
+        beats=(
+            Beat(key_buffer.fill, "inside, nearer_by =", sample, tested),
+            Beat(key_buffer.note, "inner, z =", place("line", "column"), nobody),
+        ),
+        counters={
+            "samples tested": (key_buffer.fill, "place ="),
+            "in doubt on an edge": (key_buffer.note, "write("),
+        },
+    )
