@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from hsr.lab.watertight import AIMS, SEGMENTS, aimed, escapes
-from hsr.scene.shapes import Kind, tessellated
+from hsr.scene.shapes import generic, tessellated
 
 RAYS, SEED = 20_000, 0
 
@@ -24,7 +24,7 @@ def embree_misses(mesh: str, aim: str) -> int | None:
         from embreex import mesh_construction, rtcore_scene
     except ImportError:
         return None
-    polygons = tessellated(Kind[mesh.upper()], SEGMENTS).polygons
+    polygons = tessellated(generic(mesh), SEGMENTS).polygons
     assert polygons is not None, "a tessellated shape has polygons"
     origins, targets = aimed(polygons, aim, RAYS, np.random.default_rng(SEED))
     o, target = origins.astype(np.float32), targets.astype(np.float32)

@@ -1,10 +1,10 @@
-"""Curved pieces in integers: where a line of sight meets spheres and cylinders, and in which order.
+"""Curved pieces in integers: where a line of sight meets quadrics and discs, and in which order.
 
 In object space the line of sight of a sample is (O + t V) / s, with integers s > 0 and O, V affine in the
 sample's place; t is the depth in a parallel view and w under perspective, times ``Frame.unit``, and so grows
-away from the eye. A sphere or the side of a cylinder is met where a t^2 + 2 b t + c = 0, at
-t = (-b -+ sqrt(r)) / a with r = b^2 - a c: the minus sign where the line enters, and so sees the outside. A
-disc is met at one t.
+away from the eye. The surface p . Q . p = 0 is met where a t^2 + 2 b t + c = 0, at t = (-b -+ sqrt(r)) / a
+with r = b^2 - a c. There p . Q . p has the slope -+ 2 sqrt(r), whatever the sign of a: with the minus sign
+the line enters, and so sees the outside. A disc is met at one t.
 
 At (x + e, y + d) all these numbers are polynomials in d and e, here called germs. As d is smaller than every
 power of e, the sign of a germ is that of its term of least power of d and, among those, of e. Signs of
@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import count
 from math import isqrt
+from typing import NamedTuple
 
 import numpy as np
 from flint import Ordering, fmpz_mpoly, fmpz_mpoly_ctx
@@ -27,7 +28,7 @@ from flint import Ordering, fmpz_mpoly, fmpz_mpoly_ctx
 from hsr.base.arrays import Array
 from hsr.certify.frame import Frame, Matrix
 from hsr.problem.view import Placement
-from hsr.scene.shapes import Kind
+from hsr.scene.shapes import Quadric
 
 GERMS = fmpz_mpoly_ctx.get(("d", "e"), Ordering.lex)
 ZERO = GERMS.constant(0)
@@ -57,6 +58,15 @@ def sign_with_root(u: fmpz_mpoly, v: fmpz_mpoly, r: fmpz_mpoly) -> int:
 # ---------------------------------------------------------------- hits
 
 
+class Number(NamedTuple):
+    """The number (p + q sqrt(r)) / s, s > 0."""
+
+    p: int
+    q: int
+    r: int
+    s: int
+
+
 @dataclass(frozen=True, eq=False)
 class Root:
     """The parameter t = (p + q sqrt(r)) / s of a hit, of germs; q is -1, 0 or 1, r >= 0 and s > 0."""
@@ -80,6 +90,24 @@ class Root:
             return of_first or -of_second
         squared = u * u + v * v * self.r - w * w * other.r
         return of_first * sign_with_root(squared, 2 * u * v, self.r)
+
+    def at_sample(self) -> Number:
+        """Return what a finite parameter is at the sample itself.
+
+        If s vanishes there, which is a or, if a is 0, 2 b, the line of sight is parallel to one on the
+        surface. Then r tends to p^2 as s to 0, and (p + q sqrt(r)) / s to (p^2 - r) / 2 p s if p and q differ
+        in sign, and else to 2 p / s: quotients of germs whose leading terms are alike.
+        """
+        if self.s[0, 0]:
+            return Number(_constant(self.p), self.q, _constant(self.r), _constant(self.s))
+        p, s = self.p, self.s
+        if sign(p) * self.q < 0:
+            p, s = p * p - self.r, 2 * p * s
+        elif self.q:
+            p = 2 * p
+        above, below = (int(value.coefficient(len(value) - 1)) for value in (p, s))
+        way = 1 if below > 0 else -1
+        return Number(way * above, 0, 0, way * below)
 
 
 def root_on_plane(plane: tuple[int, int, int, int], perspective: bool, i: int, j: int) -> Root:
@@ -110,10 +138,16 @@ class Line:
     depth_step: fmpz_mpoly
     depth_scale: int
 
-    def quadratic(self, axes: slice) -> tuple[fmpz_mpoly, fmpz_mpoly, fmpz_mpoly]:
-        """Return a, b, c of the squared distance from the origin along some axes, less 1, times scale^2."""
-        o, v = self.origin[axes], self.step[axes]
-        return _dot(v, v), _dot(o, v), _dot(o, o) - self.scale**2
+    def along(self, row: Array) -> tuple[fmpz_mpoly, fmpz_mpoly]:
+        """Return slope and offset, over t, of row . (p, 1) times the scale."""
+        *linear, constant = row.tolist()
+        return _dot(self.step, linear), _dot(self.origin, linear) + constant * self.scale
+
+    def quadratic(self, form: Array) -> tuple[fmpz_mpoly, fmpz_mpoly, fmpz_mpoly]:
+        """Return a, b, c of (p, 1) . form . (p, 1), times scale^2."""
+        slopes, offsets = zip(*map(self.along, form), strict=True)
+        c = _dot(self.origin, offsets[:3]) + self.scale * offsets[3]
+        return _dot(self.step, slopes[:3]), _dot(self.step, offsets[:3]), c
 
     def between(self, limits: Sequence[int], t: Root) -> bool:
         """Tell whether a point is between near and far, both closed; then it is in front of the eye."""
@@ -124,7 +158,7 @@ class Line:
 
 
 def _dot(a: Sequence[fmpz_mpoly], b: Sequence[fmpz_mpoly | int]) -> fmpz_mpoly:
-    return sum((x * y for x, y in zip(a, b, strict=True)), ZERO)
+    return sum((x * y for x, y in zip(a, b, strict=True) if y), ZERO)
 
 
 # ---------------------------------------------------------------- surfaces
@@ -134,41 +168,33 @@ Points = Iterator[tuple[Root, bool]]
 
 
 def _roots(a: fmpz_mpoly, b: fmpz_mpoly, c: fmpz_mpoly) -> Points:
-    """Solve a t^2 + 2 b t + c = 0; a is not negative, and zero only if b is."""
-    r = b * b - a * c
-    if sign(r) > 0:
-        yield Root(-b, -1, r, a), True
-        yield Root(-b, 1, r, a), False
+    """Solve a t^2 + 2 b t + c = 0."""
+    r, way = b * b - a * c, sign(a)
+    if way and sign(r) > 0:
+        yield Root(-way * b, -way, r, way * a), True
+        yield Root(-way * b, way, r, way * a), False
+    elif sign(b) and not way:
+        # All lines of sight are parallel to one on the surface, and meet it once.
+        yield Root(-sign(b) * c, 0, ZERO, 2 * sign(b) * b), sign(b) < 0
 
 
-def _meet_sphere(line: Line) -> Points:
-    """Meet x^2 + y^2 + z^2 = 1."""
-    return _roots(*line.quadratic(slice(3)))
-
-
-def _meet_side(line: Line) -> Points:
-    """Meet x^2 + y^2 = 1 where 0 <= z <= 1."""
-    z, rise = line.origin[2], line.step[2]
-    for t, outside in _roots(*line.quadratic(slice(2))):
-        if t.sign_of(rise, z) >= 0 and t.sign_of(-rise, line.scale - z) >= 0:
+def _meet_surface(solid: Quadric, line: Line) -> Points:
+    """Meet (p, 1) . form . (p, 1) = 0 between the ends."""
+    ends = [line.along(end) for end in solid.ends]
+    for t, outside in _roots(*line.quadratic(solid.form)):
+        if all(t.sign_of(slope, offset) >= 0 for slope, offset in ends):
             yield t, outside
 
 
-def _meet_disc(line: Line, height: int) -> Points:
-    """Meet z = height where x^2 + y^2 <= 1."""
-    up = sign(line.step[2])
-    if up:
-        p, s = up * (height * line.scale - line.origin[2]), up * line.step[2]
-        x, y = (o * s + p * v for o, v in zip(line.origin[:2], line.step[:2], strict=True))
-        if sign(x * x + y * y - (line.scale * s) ** 2) <= 0:
-            yield Root(p, 0, ZERO, s), up == (-1 if height else 1)
-
-
-SURFACES: dict[Kind, tuple[Callable[[Line], Points], ...]] = {
-    Kind.SPHERE: (_meet_sphere,),
-    Kind.CYLINDER: (_meet_side, partial(_meet_disc, height=0), partial(_meet_disc, height=1)),
-}
-"""How each face of the curved shapes is met."""
+def _meet_disc(solid: Quadric, end: Array, line: Line) -> Points:
+    """Meet the plane of an end where (p, 1) . form . (p, 1) <= 0."""
+    slope, offset = line.along(end)
+    way = sign(slope)
+    if way:
+        p, s = -way * offset, way * slope
+        a, b, c = line.quadratic(solid.form)
+        if sign(a * p * p + 2 * b * p * s + c * s * s) <= 0:
+            yield Root(p, 0, ZERO, s), way > 0
 
 
 # ---------------------------------------------------------------- pieces
@@ -210,14 +236,12 @@ class Hit:
     def depth(self, unit: int) -> float:
         """Return the depth at the sample itself, correctly rounded; ``unit`` is that of the frame.
 
-        There the denominator does not vanish: a hit is near the bounded surface, and if the line ran along
-        the side or a disc, its hits in the limit would go to infinity or to the eye.
+        A hit is near the bounded solid; so where the denominator vanishes there, t has a limit all the same.
         """
         assert self.line is not None, "the depth on a planar piece is that of its facet"
-        t, line = self.t, self.line
-        p = _constant(line.depth_origin * t.s + line.depth_step * t.p)
-        q = _constant(line.depth_step) * t.q
-        return rounded(p, q, _constant(t.r), _constant(t.s) * line.depth_scale * unit)
+        t, line = self.t.at_sample(), self.line
+        p = _constant(line.depth_origin) * t.s + _constant(line.depth_step) * t.p
+        return rounded(p, _constant(line.depth_step) * t.q, t.r, t.s * line.depth_scale * unit)
 
     def __lt__(self, other: Hit) -> bool:
         """Tell whether this hit hides the other, or coincides with it and is of the lower face."""
@@ -236,7 +260,7 @@ class CurvedPiece:
     cull : int
         0 none, 1 back, 2 front.
     meet : callable
-        Yields the points where a line meets the surface.
+        Yields the points where a line meets the piece.
     origin, step : (3, 3) object
         Affine functions (A, B, C) of a sample's place; see :class:`Line`.
     scale : int
@@ -270,19 +294,12 @@ class CurvedPiece:
 
 
 def curved_piece(frame: Frame, placement: Placement, part: int) -> CurvedPiece:
-    """Set up one face of a sphere or cylinder.
-
-    Parameters
-    ----------
-    frame : Frame
-    placement : Placement
-        The object.
-    part : int
-        Index of the face within the object.
-    """
+    """Set up one face of a round solid, by its index within the object."""
+    solid = placement.shape.quadric
+    assert solid is not None, "a planar piece is a facet"
     matrix = frame.matrix(placement)
     origin, step, scale = (numbers[0] for numbers in sights_of(frame, np.array([matrix], object)))
-    meet = SURFACES[placement.shape.kind][part]
+    meet = partial(_meet_disc, solid, solid.ends[part - 1]) if part else partial(_meet_surface, solid)
     return CurvedPiece(frame, placement.first + part, placement.cull, meet, origin, step, scale, matrix)
 
 

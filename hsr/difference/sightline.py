@@ -31,7 +31,6 @@ from hsr.exact.planes import Triangles, cross, on_planes, triangles_of
 from hsr.exact.quadrics import form, rounds_of
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import CULL, Placement, View
-from hsr.scene.shapes import Kind
 
 FRONT, BACK, EDGE_ON = "front", "back", "edge-on"
 
@@ -397,12 +396,11 @@ def _clipped(piece: Piece, lines: _Lines, i: int, j: int) -> str:
 
 def _rims(piece: Piece, placement: Placement, i: int, j: int) -> dict[str, float]:
     """Return the distances to what bounds a curved piece on the image."""
-    tube = placement.shape.kind == Kind.CYLINDER and piece.face == placement.first
-    disc = placement.shape.kind == Kind.CYLINDER and not tube
+    disc, discs = piece.face > placement.first, placement.shape.face_names[1:]
     edges = {"rim" if disc else "outline": pixels(piece.extent[0], i, j)}
-    if tube and replace(piece, inside=()).depth_at(beside(i, j)) is not None:
-        for name, bound in zip(("base rim", "cap rim"), piece.inside, strict=False):
-            edges[name] = _form_distance(piece, bound, i, j)
+    if discs and not disc and replace(piece, inside=()).depth_at(beside(i, j)) is not None:
+        for name, bound in zip(discs, piece.inside, strict=False):
+            edges[f"{name} rim"] = _form_distance(piece, bound, i, j)
     return edges
 
 

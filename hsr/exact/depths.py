@@ -9,7 +9,7 @@ import numpy as np
 from hsr.base.arrays import Floats, Ints
 from hsr.exact.decide import Piece
 from hsr.exact.doubled import bits, depths, split
-from hsr.exact.germs import coefficients
+from hsr.exact.germs import at, beside, coefficients
 from hsr.exact.numbers import Frame
 from hsr.exact.problem import Problem
 
@@ -75,13 +75,16 @@ def _curved_surds(problem: Problem, owners: Ints) -> Floats:
 
 
 def depth_quotient(frame: Frame, piece: Piece, i: int, j: int) -> tuple[int, int]:
-    """Return the depth of a piece at a sample, exact on a plane, else to within 2^-69 of it.
+    """Return the depth of a piece at a sample where it is, exact on a plane, else to within 2^-69 of it.
 
     Unless p + q sqrt(r) is 0, its product with p - q sqrt(r) is an integer other than 0; so it is
     at least 1 / (|p| + sqrt(r)). A root with as many bits after the point as that has before it,
     and ``GUARD`` more, leaves a relative error of 2^-GUARD at most.
     """
     p, q, r, s = (int(x(i, j)) for x in (piece.zeta.p, piece.zeta.q, piece.zeta.r, piece.zeta.s))
+    if s == 0:
+        # The line of sight runs along a line on a cone; beside it, every one there is meets the apex.
+        p, s = (int(at(x, beside(i, j)).coeffs()[-1]) for x in (piece.zeta.p, piece.zeta.s))
     after = GUARD + max(p.bit_length(), r.bit_length()) if q else 0
     zeta, unit = (p << after) + q * isqrt(max(r, 0) << 2 * after), s << after
     above, below = ((a * i + b * j + c) * unit + k * zeta for a, b, c, k in (frame.depth, frame.unit))

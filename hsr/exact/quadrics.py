@@ -1,18 +1,20 @@
-"""Spheres and cylinders in the frame of a view.
+"""Spheres, cylinders and cones in the frame of a view.
 
 A quadric p Q p = 0 of object space is one of the frame: on the line of sight of the sample
 s = (i, j, 1) it reads
 
     a zeta^2 + 2 b zeta + c = 0,      zeta = (-b +- sqrt(b^2 - a c)) / a
 
-with a a number, b affine and c quadratic in the sample. Where ``+`` stands, p Q p grows with zeta:
-under perspective the line of sight enters there, for a parallel view it leaves.
+with a a number, b affine and c quadratic in the sample. Where ``+`` stands, p Q p grows with zeta, whatever
+the sign of a: under perspective the line of sight enters there, for a parallel view it leaves. With a cone,
+the first of the two may be on the other nappe; the planes that cut the solid off leave that out.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import product
 from math import gcd
 
 import numpy as np
@@ -23,10 +25,7 @@ from hsr.exact.germs import NOTHING, I, J, Polynomial, Surd, affine, coefficient
 from hsr.exact.numbers import Frame, integers, inverse
 from hsr.exact.planes import BACK, FRONT, boxes, plane_name
 from hsr.problem.view import Placement, View
-from hsr.scene.shapes import Kind
-
-BALL = np.diag(np.array([1, 1, 1, -1], dtype=object))
-TUBE = np.diag(np.array([1, 1, 0, -1], dtype=object))
+from hsr.scene.shapes import Quadric
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,28 +44,27 @@ class Round:
 
 
 def rounds_of(view: View, frame: Frame, number: int) -> list[Round]:
-    """Collect the pieces of all spheres and cylinders of a view that can be seen on its image.
+    """Collect the pieces of all round solids of a view that can be seen on its image.
 
     They are numbered from ``number``.
     """
     found: list[Round] = []
     for placement in view.placements:
-        if placement.shape.curved:
-            found += _placed(view, frame, placement)
+        if placement.shape.quadric is not None:
+            found += _placed(view, frame, placement, placement.shape.quadric)
     return [replace(this, piece=replace(this.piece, number=number + k)) for k, this in enumerate(found)]
 
 
-def _placed(view: View, frame: Frame, placement: Placement) -> Iterator[Round]:
+def _placed(view: View, frame: Frame, placement: Placement, solid: Quadric) -> Iterator[Round]:
     to_frame = frame.placed(placement.world_from_object)
-    low = -1.0 if placement.shape.kind == Kind.SPHERE else 0.0
-    block = np.array([[x, y, z, 1.0] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (low, 1.0)])
+    block = np.array([[*corner, 1.0] for corner in product(*solid.box.T)])
     corners = integers(block) @ to_frame.T
     ahead = np.asarray(corners[:, 2] > 0, dtype=np.bool_)
     box = boxes(view, corners, np.arange(8, dtype=np.int32)[None, :], ahead)[0]
     if box[0] > box[2] or box[1] > box[3]:
         return
     bounds = list(_bounds(frame, corners, bool(ahead.all())))
-    for piece in _pieces(placement, frame.nearer, inverse(to_frame)):
+    for piece in _pieces(placement, solid, frame.nearer, inverse(to_frame)):
         yield Round(replace(piece, inside=(*piece.inside, *bounds)), box)
 
 
@@ -84,30 +82,21 @@ def form(coefficients: Array) -> Form:
     return affine(coefficients[:3]), constant(coefficients[3])
 
 
-def _pieces(placement: Placement, nearer: int, to_object: Array) -> Iterator[Piece]:
-    first = placement.first
-    if placement.shape.kind == Kind.SPHERE:
-        yield from _halves(placement, nearer, Quadric.of(BALL, to_object), ())
-        return
-    tube = Quadric.of(TUBE, to_object)
-    above, below = to_object[2], to_object[3] - to_object[2]
-    yield from _halves(placement, nearer, tube, (form(above), form(below)))
-    # The base faces the eye if z grows away from it, the cap if it falls.
-    for face, outward in ((first + 1, -above), (first + 2, -below)):
-        faces_eye = nearer * outward[3] > 0
-        if outward[3] != 0 and placement.cull != (BACK if not faces_eye else FRONT):
-            yield tube.disc(face, form(outward))
-
-
-def _halves(placement: Placement, nearer: int, quadric: Quadric, inside: tuple[Form, ...]) -> Iterator[Piece]:
-    """Yield the half where lines of sight enter, which is the front, and that where they leave."""
+def _pieces(placement: Placement, solid: Quadric, nearer: int, to_object: Array) -> Iterator[Piece]:
+    """Yield the half where lines of sight enter, which is the front, that where they leave, and the discs."""
+    surface, ends = Conic.of(solid.form, to_object), solid.ends @ to_object
     for entering in (True, False):
         if placement.cull != (FRONT if entering else BACK):
-            yield from quadric.half(placement.first, nearer if entering else -nearer, inside)
+            side = nearer if entering else -nearer
+            yield from surface.half(placement.first, side, tuple(form(end) for end in ends))
+    for face, outward in zip(range(1, placement.shape.faces), -ends, strict=False):
+        faces_eye = nearer * outward[3] > 0
+        if outward[3] != 0 and placement.cull != (BACK if not faces_eye else FRONT):
+            yield surface.disc(placement.first + face, form(outward))
 
 
 @dataclass(frozen=True)
-class Quadric:
+class Conic:
     """a zeta^2 + 2 b zeta + c, polynomials in the sample."""
 
     a: Polynomial
@@ -115,7 +104,7 @@ class Quadric:
     c: Polynomial
 
     @classmethod
-    def of(cls, matrix: Array, to_object: Array) -> Quadric:
+    def of(cls, matrix: Array, to_object: Array) -> Conic:
         """Carry p Q p from object space into the frame."""
         q = to_object.T @ matrix @ to_object
         sample = (I, J, constant(1))
@@ -125,9 +114,9 @@ class Quadric:
     def half(self, face: int, side: int, inside: tuple[Form, ...]) -> Iterator[Piece]:
         """Yield the piece with the root (-b + side sqrt(b^2 - a c)) / a, if it can be seen.
 
-        If a is 0, the eye lies on the surface, or lines of sight are parallel to the axis. Then one
-        root is the eye itself, or there is none; the other is -c / 2 b, on the side of the sign
-        of b.
+        If a is 0, the eye lies on the surface, or lines of sight are parallel to the axis of a cylinder or a
+        line on a cone. Then one root is the eye itself, or there is none; the other is -c / 2 b, on the side
+        of the sign of b.
         """
         square = self.b * self.b - self.a * self.c
         if not self.a.is_zero():

@@ -16,7 +16,7 @@ import numpy as np
 
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.kernels import triangle_tests
-from hsr.scene.shapes import Kind, Polygons, tessellated
+from hsr.scene.shapes import Polygons, generic, tessellated
 
 TESTS = {
     "moller-trumbore": triangle_tests.MOLLER_TRUMBORE,
@@ -72,15 +72,15 @@ def escapes(rays: int = 20_000, seed: int = 0) -> list[Escapes]:
 
 
 def _rows(rays: int, seed: int) -> Iterator[Escapes]:
-    for kind, aim in product((Kind.SPHERE, Kind.CYLINDER), AIMS):
-        polygons = tessellated(kind, SEGMENTS).polygons
+    for shape, aim in product(("sphere", "cylinder"), AIMS):
+        polygons = tessellated(generic(shape), SEGMENTS).polygons
         assert polygons is not None, "a tessellated shape has polygons"
         origins, targets = aimed(polygons, aim, rays, np.random.default_rng(seed))
         corners = polygons.vertices[polygons.triangle_vertex]
         for (name, test), arithmetic in product(TESTS.items(), ARITHMETICS):
             o, target, mesh = (array.astype(arithmetic) for array in (origins, targets, corners))
             missed = triangle_tests.misses(test, o, target - o, mesh)
-            yield Escapes(kind.name.lower(), aim, name, arithmetic, rays, missed)
+            yield Escapes(shape, aim, name, arithmetic, rays, missed)
 
 
 def aimed(polygons: Polygons, aim: str, rays: int, random: np.random.Generator) -> tuple[Floats, Floats]:

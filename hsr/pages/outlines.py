@@ -7,28 +7,23 @@ so that sample (row r, column c) lies at ``(c + 0.5, r + 0.5)``. They are rounde
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import cast
 
 import numpy as np
 
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.problem.view import Placement, View
-from hsr.scene.shapes import Kind, Polygons
-
-ARCS = 180
-"""Straight pieces in which a circle is drawn; they leave it by 1 - cos(pi / 180) = 0.00015 of its radius."""
+from hsr.scene.shapes import Polygons, Quadric
 
 NONE = np.zeros((0, 2, 3))
 """No segments."""
-
-SIDE, BASE, CAP = range(3)
-"""The faces of a cylinder."""
 
 
 def outlines(view: View, faces: Ints) -> tuple[Array, Array]:
     """Project the edges of faces.
 
     A polygon has its sides. What bounds a curved face on the image is its outline, where lines of sight
-    touch it, and the rims of a cylinder. What lies in front of the near plane is cut off.
+    touch it, and the rims of its discs. What lies in front of the near plane is cut off.
 
     Parameters
     ----------
@@ -57,10 +52,11 @@ def _of_object(view: View, placement: Placement, faces: Ints) -> Floats:
     chosen = faces[first:last] - placement.first
     if not len(chosen):
         return NONE
-    if placement.shape.polygons is not None:
-        local = _sides(placement.shape.polygons, chosen)
+    shape = placement.shape
+    if shape.quadric is not None:
+        local = np.concatenate([NONE, *_curves(placement, shape.quadric, _eye(view), chosen)])
     else:
-        local = np.concatenate([NONE, *_curves(placement, _eye(view), chosen)])
+        local = _sides(cast(Polygons, shape.polygons), chosen)
     matrix = placement.world_from_object
     return local @ matrix[:3, :3].T + matrix[:3, 3]
 
@@ -86,52 +82,12 @@ def _eye(view: View) -> Floats:
     return eye
 
 
-def _curves(placement: Placement, eye: Floats, chosen: Ints) -> Iterator[Floats]:
-    """Yield the curves that bound curved faces on the image, as segments (n, 2, 3) in object space."""
-    x, y, z, w = np.linalg.solve(placement.world_from_object, eye)
-    if placement.shape.kind == Kind.SPHERE:
-        yield from _horizon(np.array([x, y, z]), w)
-        return
-    if SIDE in chosen:
-        yield from _generators(x, y, w)
-    if SIDE in chosen or BASE in chosen:
-        yield _circle(np.zeros(3), np.eye(3)[0], np.eye(3)[1])
-    if SIDE in chosen or CAP in chosen:
-        yield _circle(np.eye(3)[2], np.eye(3)[0], np.eye(3)[1])
-
-
-def _horizon(e: Floats, w: float) -> Iterator[Floats]:
-    """Yield the circle in which lines of sight touch the unit sphere: p . e = w and |p| = 1.
-
-    None from inside.
-    """
-    distance = np.linalg.norm(e)
-    if abs(w) >= distance:
-        return
-    axis, height = e / distance, w / distance
-    u = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
-    u *= np.sqrt(1.0 - height**2) / np.linalg.norm(u)
-    yield _circle(height * axis, u, np.cross(axis, u))
-
-
-def _generators(x: float, y: float, w: float) -> Iterator[Floats]:
-    """Yield the two lines in which lines of sight touch the unit cylinder: x_p x + y_p y = w.
-
-    None from within the infinite cylinder, or along its axis.
-    """
-    distance = np.hypot(x, y)
-    if abs(w) >= distance:
-        return
-    for angle in np.arctan2(y, x) + np.arccos(w / distance) * np.array([1.0, -1.0]):
-        foot = np.array([np.cos(angle), np.sin(angle), 0.0])
-        yield np.array([[foot, foot + np.eye(3)[2]]])
-
-
-def _circle(centre: Floats, u: Floats, v: Floats) -> Floats:
-    """Return the pieces (ARCS, 2, 3) of a circle with two perpendicular radii."""
-    angle = np.linspace(0.0, 2.0 * np.pi, ARCS + 1)[:, None]
-    points = centre + np.cos(angle) * u + np.sin(angle) * v
-    return np.stack([points[:-1], points[1:]], axis=1)
+def _curves(placement: Placement, quadric: Quadric, eye: Floats, chosen: Ints) -> Iterator[Floats]:
+    """Yield the curves that bound some curved faces on the image, as segments (n, 2, 3) in object space."""
+    own = np.asarray(np.linalg.solve(placement.world_from_object, eye), dtype=np.float64)
+    for faces, curve in quadric.outline(own):
+        if faces & set(chosen.tolist()):
+            yield curve
 
 
 # ---------------------------------------------------------------- projection

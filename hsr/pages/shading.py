@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 from matplotlib.colors import hsv_to_rgb
@@ -16,7 +17,7 @@ from hsr.base.files import write_whole
 from hsr.problem.map import BACKGROUND, VisibilityMap
 from hsr.problem.view import Placement, View
 from hsr.scene.model import Ambient, Directional, Light
-from hsr.scene.shapes import Kind, Polygons
+from hsr.scene.shapes import Polygons
 
 NEUTRAL = 236
 """Grey of the background in a picture of faces, which no face is painted with."""
@@ -123,16 +124,17 @@ def _normals(placement: Placement, face: Ints, point: Floats) -> Floats:
     """Return outward unit normals (n, 3) in world space, carried there by the inverse transpose."""
     inverse = np.linalg.inv(placement.world_from_object[:3, :3])
     shape = placement.shape
-    if shape.polygons is not None:
+    if shape.quadric is None:
+        polygons = cast(Polygons, shape.polygons)
         seen, which = np.unique(face, return_inverse=True)
-        polygon = np.searchsorted(shape.polygons.face, seen)
-        return _unit(_newell(shape.polygons, polygon) @ inverse)[which]
+        polygon = np.searchsorted(polygons.face, seen)
+        return _unit(_newell(polygons, polygon) @ inverse)[which]
     local = (point - placement.world_from_object[:3, 3]) @ inverse.T
-    if shape.kind == Kind.CYLINDER:
-        # The side points away from the axis, the base down along it and the cap up.
-        flat = np.where(face == 1, -1.0, 1.0)[:, None] * [0.0, 0.0, 1.0]
-        local = np.where((face == 0)[:, None], local * [1.0, 1.0, 0.0], flat)
-    return _unit(local @ inverse)
+    # A quadratic form grows along its gradient, and what an end is of falls outward.
+    form, ends = shape.quadric.rounded[:3], shape.quadric.ends[:, :3].astype(np.float64)
+    normal = local @ form[:, :3] + form[:, 3]
+    normal[face > 0] = -ends[face[face > 0] - 1]
+    return _unit(normal @ inverse)
 
 
 def _newell(polygons: Polygons, chosen: Array) -> Floats:

@@ -172,7 +172,7 @@ class View:
 
     @property
     def curved(self) -> bool:
-        """Whether any object is a sphere or a cylinder."""
+        """Whether any object has faces that are not planar."""
         return any(placement.shape.curved for placement in self.placements)
 
     def tessellated(self) -> View:
@@ -316,8 +316,7 @@ def _manifest_entry(placement: Placement) -> dict[str, Any]:
 
 
 def _planar(placement: Placement, segments: int) -> Placement:
-    kind = placement.shape.kind
-    return replace(placement, shape=tessellated(kind, segments)) if placement.shape.curved else placement
+    return replace(placement, shape=tessellated(placement.shape, segments))
 
 
 def _in_world(placement: Placement) -> WorldPolygons:
@@ -386,6 +385,4 @@ def _scene_parts(placements: tuple[Placement, ...], segments: int) -> Iterable[b
 
 
 def _shape_digest(shape: Shape) -> str:
-    polygons = shape.polygons
-    arrays = () if polygons is None else (polygons.vertices, polygons.corner, polygons.start, polygons.face)
-    return _digest([shape.kind.name.encode(), *(array.tobytes() for array in arrays)])
+    return _digest(shape.content)

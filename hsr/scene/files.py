@@ -246,7 +246,7 @@ def _defined_shape(thing: Object) -> Shape:
     """Make a shape from what the scene file says of it."""
     match thing:
         case Square() | Cube() | Sphere() | Cylinder():
-            return generic(Kind[thing.shape.upper()])
+            return generic(**thing.model_dump(exclude={*Thing.model_fields}))
         case Polyhedron():
             return _polyhedron(thing)
         case Mesh():

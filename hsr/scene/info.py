@@ -194,11 +194,9 @@ def _sight_problem(projection: Projection, shape: Shape, reach: Reach, matrices:
 
 def _holds(shape: Shape, point: Floats) -> bool:
     """Whether a point (x, y, z, 1) of object space is inside a solid."""
-    x, y, z, _ = point
-    if shape.kind == Kind.SPHERE:
-        return math.hypot(x, y, z) < 1.0
-    if shape.kind == Kind.CYLINDER:
-        return math.hypot(x, y) < 1.0 and 0.0 < z < 1.0
+    if shape.quadric is not None:
+        form, ends = shape.quadric.rounded, shape.quadric.ends
+        return bool(point @ form @ point < 0.0 and (ends @ point > 0.0).all())
     polygons = cast(Polygons, shape.polygons)
     return winding_number(point[:3], polygons.vertices[polygons.triangle_vertex]) > 0.5
 
@@ -208,24 +206,15 @@ Reach = Callable[[Floats], tuple[float, float]]
 
 
 def _reach_of(shape: Shape) -> Reach:
-    if shape.polygons is not None:
-        return partial(_polygon_reach, shape.polygons.vertices[np.unique(shape.polygons.corner)])
-    return _sphere_reach if shape.kind == Kind.SPHERE else _cylinder_reach
+    if shape.quadric is not None:
+        return shape.quadric.reach
+    polygons = cast(Polygons, shape.polygons)
+    return partial(_polygon_reach, polygons.vertices[np.unique(polygons.corner)])
 
 
 def _polygon_reach(points: Floats, row: Floats) -> tuple[float, float]:
     values = points @ row[:3] + row[3]
     return float(values.min()), float(values.max())
-
-
-def _sphere_reach(row: Floats) -> tuple[float, float]:
-    radius = math.hypot(*row[:3])
-    return float(row[3] - radius), float(row[3] + radius)
-
-
-def _cylinder_reach(row: Floats) -> tuple[float, float]:
-    radius, base, cap = math.hypot(*row[:2]), float(row[3]), float(row[3] + row[2])
-    return min(base, cap) - radius, max(base, cap) + radius
 
 
 def _bounds(reach: Reach, matrices: Sequence[Floats]) -> dict[str, list[float]]:

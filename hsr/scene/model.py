@@ -278,9 +278,13 @@ class Sphere(Thing):
 
 
 class Cylinder(Thing):
-    """The generic cylinder: radius 1 about the z axis, ``0 <= z <= 1``. Faces: side, base, cap."""
+    """The generic cylinder about the z axis, ``0 <= z <= 1``, of radius 1 at its base and ``top`` at its cap.
+
+    Faces: side, base, cap; with ``top`` 0, a cone, side and base.
+    """
 
     shape: Literal["cylinder"]
+    top: Annotated[float, Field(ge=0.0)] = 1.0
 
 
 def _check_indices(faces: Any, vertices: Any) -> None:

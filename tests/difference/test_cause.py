@@ -23,7 +23,7 @@ from hsr.models.stages import Cause
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View, view
 from hsr.scene.model import Scene
-from hsr.scene.shapes import Kind, tessellated
+from hsr.scene.shapes import generic, tessellated
 from tests.difference.planted import prism, soup
 
 
@@ -328,7 +328,7 @@ def test_maps_must_fit(truth: VisibilityMap) -> None:
 
 
 def test_a_tie_of_the_tessellated_view_is_wrong_by_tessellation_alone() -> None:
-    corners = tessellated(Kind.CYLINDER, 5).polygons
+    corners = tessellated(generic("cylinder"), 5).polygons
     assert corners is not None
     transform = [{"rotate_x": 71.0}, {"rotate_y": 13.0}, {"scale": 1.3}]
     drum = {"name": "drum", "shape": "cylinder", "transform": transform}

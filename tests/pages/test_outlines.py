@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import hsr
-from hsr.pages.outlines import ARCS, outlines
+from hsr.pages.outlines import outlines
 from hsr.problem.view import View
+from hsr.scene.shapes.shape import ARCS
 
 PARALLEL = {"type": "orthographic", "eye": [0.0, 0.0, 6.0], "height": 4.0, "far": 20.0}
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hsr.scene.polyhedra import convexity_problems
-from hsr.scene.shapes import CUBE_FACES, Kind, Polygons, generic, tessellated
+from hsr.scene.shapes import Polygons, generic, tessellated
 
 
 def loops(polygons: Polygons) -> list[tuple[int, ...]]:
@@ -17,39 +17,41 @@ def loops(polygons: Polygons) -> list[tuple[int, ...]]:
 
 
 def test_the_cube_is_convex_and_its_faces_are_named_by_their_sides() -> None:
-    cube = generic(Kind.CUBE)
+    cube = generic("cube")
     assert cube.polygons is not None and cube.faces == 6
     assert convexity_problems(cube.polygons.vertices, loops(cube.polygons)) == []
     middles = [cube.polygons.vertices[list(loop)].mean(axis=0).tolist() for loop in loops(cube.polygons)]
     sides = {"top": [0, 1, 0], "bottom": [0, -1, 0], "right": [1, 0, 0], "left": [-1, 0, 0]}
-    assert dict(zip(CUBE_FACES, middles, strict=True)) == {**sides, "front": [0, 0, 1], "back": [0, 0, -1]}
+    assert dict(zip(cube.face_names, middles, strict=True)) == {
+        **sides,
+        "front": [0, 0, 1],
+        "back": [0, 0, -1],
+    }
 
 
 def test_the_front_of_the_square_is_toward_z() -> None:
-    square = generic(Kind.SQUARE).polygons
+    square = generic("square").polygons
     assert square is not None
     a, b, c = square.vertices[square.corner[:3]]
     assert np.cross(b - a, c - a).tolist() == [0.0, 0.0, 4.0]
 
 
 def test_generic_shapes_are_made_once() -> None:
-    assert generic(Kind.SPHERE) is generic(Kind.SPHERE)
-    with pytest.raises(ValueError, match="MESH is not a generic shape"):
-        generic(Kind.MESH)
+    assert generic("sphere") is generic("sphere")
 
 
 @pytest.mark.parametrize("segments", [3, 4, 5, 48])
 def test_the_sphere_in_polygons_is_convex_and_one_face(segments: int) -> None:
-    polygons = tessellated(Kind.SPHERE, segments).polygons
+    polygons = tessellated(generic("sphere"), segments).polygons
     assert polygons is not None
     assert convexity_problems(polygons.vertices, loops(polygons)) == []
     assert np.allclose(np.linalg.norm(polygons.vertices, axis=1), 1.0, rtol=0.0, atol=2.0**-52)
-    assert not polygons.face.any() and tessellated(Kind.SPHERE, segments).faces == 1
+    assert not polygons.face.any() and tessellated(generic("sphere"), segments).faces == 1
 
 
 @pytest.mark.parametrize("segments", [3, 4, 5, 48])
 def test_the_cylinder_in_polygons_is_convex_with_side_base_and_cap(segments: int) -> None:
-    shape = tessellated(Kind.CYLINDER, segments)
+    shape = tessellated(generic("cylinder"), segments)
     assert shape.polygons is not None
     assert convexity_problems(shape.polygons.vertices, loops(shape.polygons)) == []
     assert shape.face_names == ("side", "base", "cap")

@@ -11,10 +11,10 @@ import pytest
 from hsr.base.arrays import Array, Floats
 from hsr.scene import solids
 from hsr.scene.model import exact_determinant
-from hsr.scene.shapes import Kind, Polygons, generic, tessellated
+from hsr.scene.shapes import Polygons, generic, tessellated
 from hsr.scene.solids import surface_problem, winding_number
 
-CUBE = generic(Kind.CUBE).polygons
+CUBE = generic("cube").polygons
 assert CUBE is not None
 CORNERS, TRIANGLES = CUBE.vertices, CUBE.triangle_vertex
 
@@ -32,8 +32,8 @@ def two_cubes(offset: list[float], size: float = 1.0) -> Polygons:
     ("polygons", "problem"),
     [
         (CUBE, ""),
-        (tessellated(Kind.SPHERE, 16).polygons, ""),
-        (tessellated(Kind.CYLINDER, 16).polygons, ""),
+        (tessellated(generic("sphere"), 16).polygons, ""),
+        (tessellated(generic("cylinder"), 16).polygons, ""),
         (two_cubes([3, 0, 0]), ""),
         (two_cubes([2 + 2**-51, 0.3, 0.1]), ""),
         (two_cubes([0, 0, 0], 0.5), ""),

@@ -1,16 +1,17 @@
-"""Spheres and cylinders made ready for rays: their coefficients on the screen, exact and rounded once.
+"""Round solids made ready for rays: their coefficients on the screen, exact and rounded once.
 
-See :mod:`hsr.kernels.raytiles.curved` for what they mean. Along the line of sight (O + t V) / s of a sample,
-see :mod:`hsr.certify.curved`, the surface is met where a t^2 + 2 b t + c = 0 with a = V . V, b = O . V and c
-= O . O - s^2. Under perspective t is w, and v = g / t: so c v^2 + 2 b g v + a g^2 = 0, and c is constant. In
-a parallel view t is depth, and v = -t / g: so a g^2 v^2 - 2 b g v + c = 0, and a is constant.
+See :mod:`hsr.kernels.raytiles.curved` for what they mean. The points of a line of sight are (O + t V) / s,
+see :mod:`hsr.certify.curved`, or O + t V with O[3] = s and V[3] = 0, up to a factor. So the surface p . Q . p
+= 0 is met where a t^2 + 2 b t + c = 0 with a = V . Q . V, b = O . Q . V and c = O . Q . O. Under perspective
+t is w, and v = g / t: so c v^2 + 2 b g v + a g^2 = 0, and c is constant. In a parallel view t is depth, and v
+= -t / g: so a g^2 v^2 - 2 b g v + c = 0, and a is constant.
 """
 
 from __future__ import annotations
 
 from fractions import Fraction
 from math import isqrt
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -20,11 +21,11 @@ from hsr.certify import sights_at
 from hsr.kernels.raytiles.curved import QUADRIC
 from hsr.kernels.zbuffer.halfspaces import ANYWHERE, CULL_BACK, CULL_FRONT, SMALL, Eye
 from hsr.problem.view import View
-from hsr.scene.shapes import Kind
+from hsr.scene.shapes import Quadric
 
 
 def quadrics_of(view: View, things: Array, pieces: Array, extent: Floats, eye: Eye) -> Array:
-    """Set up the spheres and cylinders of a view.
+    """Set up the round solids of a view.
 
     Parameters
     ----------
@@ -45,7 +46,6 @@ def quadrics_of(view: View, things: Array, pieces: Array, extent: Floats, eye: E
     if not len(things):
         return made
     placements = [view.placements[thing] for thing in things]
-    made["kind"] = [placement.shape.kind for placement in placements]
     made["cull"] = [placement.cull for placement in placements]
     made["piece"] = pieces
     made["left"], made["right"], made["top"], made["bottom"] = extent.T
@@ -58,25 +58,26 @@ def quadrics_of(view: View, things: Array, pieces: Array, extent: Floats, eye: E
     g = Fraction(float(eye.scale)) * Fraction(w_at_depth_1(view)) * frame.unit
     if not view.perspective:
         g = frame.unit / Fraction(float(eye.scale))
-    for one, o, v, s in zip(made, origin @ to_place, step @ to_place, scale, strict=True):
-        _set_up(one, _Sight(o, v, s, g, view.perspective))
+    for one, placement, o, v, s in zip(
+        made, placements, origin @ to_place, step @ to_place, scale, strict=True
+    ):
+        line = _Sight(np.vstack([o, [0, 0, s]]), np.vstack([v, [0, 0, 0]]), g, view.perspective)
+        _set_up(one, line, cast(Quadric, placement.shape.quadric), placement.shape.faces - 1)
     return made
 
 
 class _Sight(NamedTuple):
-    """The lines of sight of an object: o, v (3, 3) and s, functions of (x, y, 1), and what makes v of t."""
+    """The lines of sight of an object, O and V (4, 3) as functions of (x, y, 1), and what makes v of t."""
 
     o: Array
     v: Array
-    s: int
     g: Fraction
     perspective: bool
 
 
-def _set_up(one: Any, sight: _Sight) -> None:
-    """Fill in the coefficients of one ``QUADRIC``."""
-    axes = 3 if one["kind"] == Kind.SPHERE else 2
-    k, l, m = _equation(sight, axes)  # noqa: E741
+def _set_up(one: Any, sight: _Sight, solid: Quadric, discs: int) -> None:
+    """Fill in the coefficients of one ``QUADRIC``; the first ``discs`` of its ends are faces."""
+    k, l, m = _equation(sight, solid.form)  # noqa: E741
     r = np.outer(l, l) - k * m
     width, height = int(one["right"] - one["left"]), int(one["bottom"] - one["top"])
     affine = np.array([1, width, height], object)
@@ -97,12 +98,14 @@ def _set_up(one: Any, sight: _Sight) -> None:
     else:
         # Float64 cannot compute with such numbers: a hit may be anywhere.
         one["k"], one["size_m"], one["size_r"] = 1.0, ANYWHERE**2, ANYWHERE**2
-    if one["kind"] == Kind.CYLINDER:
-        for end, (p, q) in enumerate(_ends(sight)):
-            size = max(abs(p), abs(q[_AFFINE]) @ affine) or 1
-            one["p"][end], one["q"][end] = p / size, q[_AFFINE] / size
-            # A ray that meets an end from outside comes from beyond it, where P is negative.
-            one["shown"][end] = p != 0 and one["cull"] != (CULL_FRONT if p < 0 else CULL_BACK)
+    one["ends"] = len(solid.ends)
+    for end, plane in enumerate(solid.ends):
+        p, q = _end(sight, plane)
+        size = max(abs(p), abs(q[_AFFINE]) @ affine) or 1
+        one["p"][end], one["q"][end] = p / size, q[_AFFINE] / size
+        # A ray that meets an end from outside comes from beyond it, where P is negative.
+        culled = one["cull"] == (CULL_FRONT if p < 0 else CULL_BACK)
+        one["shown"][end] = end < discs and p != 0 and not culled
 
 
 _AFFINE = [2, 0, 1]
@@ -116,22 +119,20 @@ def _coefficients(form: Array) -> Array:
     return np.array([constant, right, below, form[0, 0], twice[0, 1], form[1, 1]], object)
 
 
-def _equation(sight: _Sight, axes: int) -> tuple[int, Array, Array]:
-    """Return K, L (3,) and M (3, 3), in whole numbers, of the squared distance along the first axes."""
-    o, v = sight.o[:axes], sight.v[:axes]
-    a, b, c = v.T @ v, o.T @ v, o.T @ o
-    c[2, 2] -= sight.s**2
+def _equation(sight: _Sight, form: Array) -> tuple[int, Array, Array]:
+    """Return K, L (3,) and M (3, 3), in whole numbers, of p . form . p."""
+    o, v = sight.o, sight.v
+    a, b, c = v.T @ form @ v, o.T @ form @ v, o.T @ form @ o
     above, below = sight.g.numerator, sight.g.denominator
     if sight.perspective:
         return c[2, 2] * below**2, b[2] * (above * below), a * above**2
     return a[2, 2] * above**2, -b[:, 2] * (above * below), c * below**2
 
 
-def _ends(sight: _Sight) -> tuple[tuple[int, Array], tuple[int, Array]]:
-    """Return P and Q (3,), in whole numbers, of base and cap: times s, they add up to z and 1 - z."""
-    z, rise = sight.o[2], sight.v[2]
-    one = np.array([0, 0, sight.s], object)
+def _end(sight: _Sight, plane: Array) -> tuple[int, Array]:
+    """Return P and Q (3,), in whole numbers, of plane . p, up to a positive factor."""
+    offset, slope = plane @ sight.o, plane @ sight.v
     above, below = sight.g.numerator, sight.g.denominator
     if sight.perspective:
-        return (z[2] * below, rise * above), ((one - z)[2] * below, -rise * above)
-    return (-rise[2] * above, z * below), (rise[2] * above, (one - z) * below)
+        return offset[2] * below, slope * above
+    return -slope[2] * above, offset * below

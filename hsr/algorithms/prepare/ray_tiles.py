@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, cast
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -44,7 +44,7 @@ from hsr.kernels.zbuffer.halfspaces import (
 from hsr.kernels.zbuffer.tiles import CELL, COLUMNS, LINES, deal
 from hsr.problem.map import Clock, VisibilityMap
 from hsr.problem.view import Placement, View, reversed_loops
-from hsr.scene.shapes import Kind, Shape
+from hsr.scene.shapes import Polygons, Shape
 
 LEAF = CLUSTER
 """Most triangles in a leaf: as many as are set up side by side."""
@@ -149,17 +149,11 @@ def _kind(placement: Placement) -> MeshKind:
     return placement.shape, placement.mirrored
 
 
-BOXES = {
-    Kind.SPHERE: np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]]),
-    Kind.CYLINDER: np.array([[-1.0, -1.0, 0.0], [1.0, 1.0, 1.0]]),
-}
-
-
 def box_of(shape: Shape) -> Floats:
     """Return the opposite corners (2, 3) of the box around a shape, object space."""
-    if shape.polygons is None:
-        return BOXES[shape.kind]
-    return hierarchy.box_of(shape.polygons.vertices)
+    if shape.quadric is not None:
+        return shape.quadric.box
+    return hierarchy.box_of(cast(Polygons, shape.polygons).vertices)
 
 
 # ---------------------------------------------------------------- once a view

@@ -1,16 +1,18 @@
-"""Spheres and cylinders as the rays of a picture meet them, with proven error bounds.
+"""Spheres, cylinders and cones as the rays of a picture meet them, with proven error bounds.
 
-Nearness, scaled like key depth, is called v here: z = Z0 - v. Along a ray a sphere or the side of a cylinder
-is met where
+Nearness, scaled like key depth, is called v here: z = Z0 - v. Along a ray a quadric is met where
 
     K v^2 + 2 L v + M = 0        v = (-L + S) / K where the ray enters, (-L - S) / K where it leaves,
 
-S = sqrt(R), R = L^2 - K M. K is constant, L affine, M and R are quadratic on the screen: the quadric, in the
-frame of the screen, is a quadric again (J. Blinn, "How many ways can you draw a circle?", IEEE Computer
-Graphics and Applications 7(8), 1987, draws all of them so). Their coefficients are taken from exact
-integers and rounded once (:mod:`hsr.algorithms.prepare.quadrics`), R among them, so that the difference it is
-does not cancel. A cylinder ends where P v + Q = 0 for the planes of base and cap, P constant and Q affine;
-between them P v + Q > 0.
+S = sqrt(R), R = L^2 - K M. The polynomial, negative inside, has the slope 2 S at the first: it grows toward
+the eye, which is outside there, whatever the sign of K. K is constant, L affine, M and R are quadratic on the
+screen: the quadric, in the frame of the screen, is a quadric again (J. Blinn, "How many ways can you draw a
+circle?", IEEE Computer Graphics and Applications 7(8), 1987, draws all of them so). Their coefficients are
+taken from exact integers and rounded once (:mod:`hsr.algorithms.prepare.quadrics`), R among them, so that the
+difference it is does not cancel. The solid ends where P v + Q = 0 for each of up to two planes, P constant
+and Q affine; inside P v + Q > 0. So much holds of every quadric; what the planes leave of it need not be met
+in an order: of a cone with K < 0 a ray leaves one nappe before it enters the other, and one of these hits is
+beyond an end.
 
 A hit has a margin: 1 or more if it is certain that it counts, -1 or less if it is certain that it does not.
 U is the relative error of one rounding; bounds are rounded up generously.
@@ -37,13 +39,9 @@ from hsr.kernels.zbuffer.halfspaces import (
 )
 from hsr.kernels.zbuffer.key_buffer import TRIANGLES, Box, Window, is_farther, key_of, write
 
-CYLINDER = 4
-"""The kind of a cylinder."""
-
-
 QUADRIC = np.dtype(
     [
-        ("kind", np.int64),
+        ("ends", np.int64),
         ("cull", np.int64),
         ("piece", np.int64),
         ("left", np.int64),
@@ -62,15 +60,16 @@ QUADRIC = np.dtype(
         ("shown", np.int8, 2),
     ]
 )
-"""A sphere or cylinder.
+"""A round solid.
 
-piece : number of its first piece.
+ends : how many planes cut it off; two at most.
+piece : number of its first piece, which is the quadric; those of the ends follow.
 left, right, top, bottom : the first column and row that it may cover, and those after the last.
 k, l, m, r : coefficients of K, L (of 1, x, y), M and R (of 1, x, y, x^2, x y, y^2), x columns and y rows from
     the first; those of K and L, of M, and of R are divided by a common number, by it, and by its square.
 size_l, size_m, size_r : bounds of the sums of the magnitudes of the terms of L, M and R.
-p, q : P and Q (of 1, x, y) of base and cap; the terms of each add up to at most 1 in magnitude.
-shown : 1 if base and cap are neither culled nor seen edge-on.
+p, q : P and Q (of 1, x, y) of the ends; the terms of each add up to at most 1 in magnitude.
+shown : 1 if an end is a face, and neither culled nor seen edge-on.
 """
 
 FEW = 8.0 * U
@@ -89,7 +88,7 @@ class Hit(NamedTuple):
 MISS = Hit(0.0, 0.0, -1.0)
 
 Hits = tuple[Hit, Hit, Hit, Hit]
-"""Where a ray enters and leaves a sphere or the side of a cylinder, and where it meets base and cap."""
+"""Where a ray enters and leaves a quadric, and where it meets the two ends."""
 
 
 @jit
@@ -122,11 +121,13 @@ def quotient(a: float, a_error: float, b: float, b_error: float) -> tuple[float,
 
 @jit
 def meet_quadric(thing: Any, x: float, y: float) -> tuple[Hit, Hit]:
-    """Return where a ray enters and leaves a sphere, or the side of an endless cylinder.
+    """Return where a ray enters and leaves a quadric that has no end.
 
     If R is not above 0 it meets nothing: a tangent sees the surface edge-on. If K is 0, the eye is on the
-    surface, and one of the two hits is the eye itself, which sees nothing there.
+    surface, and one of the two hits is the eye itself, which sees nothing there; or, in a parallel view, rays
+    run along lines on a cone, and one of the two is infinitely far away.
     """
+    # Each coefficient of R is off by U of itself, and the sum by FEW of its terms: |dR| <= r_error.
     r, r_error = quadratic(thing["r"], x, y), FEW * thing["size_r"]
     if r <= -r_error:
         return MISS, MISS
@@ -135,7 +136,8 @@ def meet_quadric(thing: Any, x: float, y: float) -> tuple[Hit, Hit]:
     s_error = 2.0 * r_error / max(s, np.sqrt(r_error)) + 2.0 * U * s
     margin = r / r_error
 
-    # Add S and L so that they do not cancel; divide that by K, and M by that.
+    # Add S and L so that they do not cancel: |q| = S + |L|. It is one root times K, and the other is M over
+    # it, as their product is M / K. What q is off by is what S and L are, and its own rounding.
     k, l = thing["k"], affine(thing["l"], x, y)  # noqa: E741
     q = s - l if l <= 0.0 else -s - l
     q_error = s_error + FEW * thing["size_l"] + U * abs(q)
@@ -147,11 +149,14 @@ def meet_quadric(thing: Any, x: float, y: float) -> tuple[Hit, Hit]:
 
 @jit
 def between_ends(hit: Hit, thing: Any, x: float, y: float) -> Hit:
-    """Return a hit of the side of an endless cylinder as one of the side between base and cap, closed."""
+    """Return a hit of an endless quadric as one between its ends, closed.
+
+    Where v is off by dv, P v + Q is off by |P| dv, and by FEW of its terms: of |P v| + 1 at most.
+    """
     v, v_error, margin = hit
     if margin <= -1.0:
         return hit
-    for end in range(2):
+    for end in range(thing["ends"]):
         p, q = thing["p"][end], affine(thing["q"][end], x, y)
         margin = min(margin, (p * v + q) / (abs(p) * v_error + FEW * (abs(p * v) + 1.0)))
     return Hit(v, v_error, margin)
@@ -159,7 +164,11 @@ def between_ends(hit: Hit, thing: Any, x: float, y: float) -> Hit:
 
 @jit
 def meet_end(end: int, thing: Any, x: float, y: float) -> Hit:
-    """Return where a ray meets base (0) or cap (1): in their plane, not outside the endless cylinder."""
+    """Return where a ray meets an end: in its plane, where K v^2 + 2 L v + M <= 0.
+
+    Q is off by FEW of its terms, at most 1, and P by a rounding: so much for v. Where v is off by dv, the
+    polynomial is off by (2 |K v + L| + |K| dv) dv, which is less than ``slope`` dv, and by FEW of its terms.
+    """
     k, p = thing["k"], thing["p"][end]
     v, v_error = quotient(-affine(thing["q"][end], x, y), FEW, p, U * abs(p))
     outside = (k * v + 2.0 * affine(thing["l"], x, y)) * v + quadratic(thing["m"], x, y)
@@ -172,18 +181,16 @@ def meet_end(end: int, thing: Any, x: float, y: float) -> Hit:
 def hits_of(thing: Any, x: float, y: float) -> Hits:
     """Return the hits of a ray, those on culled sides and on ends seen edge-on left out."""
     enter, leave = meet_quadric(thing, x, y)
-    base, cap = MISS, MISS
-    if thing["kind"] == CYLINDER:
-        enter, leave = between_ends(enter, thing, x, y), between_ends(leave, thing, x, y)
-        base = meet_end(0, thing, x, y) if thing["shown"][0] else MISS
-        cap = meet_end(1, thing, x, y) if thing["shown"][1] else MISS
+    enter, leave = between_ends(enter, thing, x, y), between_ends(leave, thing, x, y)
+    first = meet_end(0, thing, x, y) if thing["shown"][0] else MISS
+    second = meet_end(1, thing, x, y) if thing["shown"][1] else MISS
     cull = thing["cull"]
-    return enter if cull != CULL_FRONT else MISS, leave if cull != CULL_BACK else MISS, base, cap
+    return enter if cull != CULL_FRONT else MISS, leave if cull != CULL_BACK else MISS, first, second
 
 
 @jit
 def piece_of(thing: Any, k: int) -> int:
-    """Return the piece that hit k of a ray is on: of a cylinder, side, base and cap follow each other."""
+    """Return the piece that hit k of a ray is on: the two of the quadric are on its first."""
     return int(thing["piece"] + max(k - 1, 0))
 
 
@@ -210,7 +217,7 @@ def key_hit(hit: Hit, eye: Eye) -> Hit:
 def cast_into_quadric(
     thing: Any, keys: Array, window: Window, eye: Eye, doubts: Array | None, counts: Array
 ) -> None:
-    """Meet a sphere or cylinder, a ``QUADRIC``, with every ray of a window that it may cover.
+    """Meet a round solid, a ``QUADRIC``, with every ray of a window that it may cover.
 
     Parameters
     ----------
@@ -270,7 +277,7 @@ def fill(thing: Any, keys: Array, window: Window, eye: Eye, certify: bool | None
 
 @jit
 def note(thing: Any, keys: Array, window: Window, eye: Eye, doubts: Array, counts: Array) -> None:
-    """Write down the doubts of a sphere or cylinder that has just been taken into the keys."""
+    """Write down the doubts of a solid that has just been taken into the keys."""
     first_line, end_line, first, end = box_of(thing, keys, window)
     for line in range(first_line, end_line):
         for column in range(first, end):
