@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from hsr.base.errors import UnavailableError
 from hsr.cli.app import app
-from hsr.lab.stability.family import families, family_named
+from hsr.lab.stability.cases import families, family_named
 from tests.lab.made_up import results, row
 
 ROOT = Path(__file__).parent.parent

@@ -39,7 +39,7 @@ def run(
     quiet: Quiet = False,
 ) -> None:
     """Judge methods on families of hard cases; exit 1 if any row contradicts its theory."""
-    from hsr.lab.stability.family import families, family_named
+    from hsr.lab.stability.cases import families, family_named
     from hsr.lab.stability.judge import contradictions, judge
 
     chosen = [family_named(name) for name in dict.fromkeys(family or families())]
@@ -94,7 +94,7 @@ def scene(
     ] = 64,
 ) -> None:
     """Write the scene of a family at a value of its parameter, for every other command."""
-    from hsr.lab.stability.family import family_named
+    from hsr.lab.stability.cases import family_named
     from hsr.scene.writing import to_toml, write_scene
 
     chosen = family_named(family)

@@ -49,7 +49,7 @@ def test_json(run: Any) -> None:
 def test_a_row_against_theory_is_exit_1(run: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     from dataclasses import replace
 
-    from hsr.lab.stability.family import families
+    from hsr.lab.stability.cases import families
 
     family = families()["integer-overflow"]
     int32 = replace(family.variants[0], breaks=None)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from hsr.base.errors import HsrError
-from hsr.lab.stability.family import family_named
+from hsr.lab.stability.cases import family_named
 from hsr.lab.stability.judge import Result, judge
 from hsr.pages.stability import write_folder
 

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
+import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -14,7 +12,6 @@ import numpy as np
 from hsr.algorithms.registry import certified_methods, method_named, methods
 from hsr.base.arrays import Bools, Ints
 from hsr.base.errors import HsrError
-from hsr.lab.stability import cases
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View, view
 from hsr.scene.model import Scene
@@ -94,7 +91,7 @@ class Variant:
 
 
 @dataclass(frozen=True)
-class Case:
+class Trial:
     """One view as one variant shows it, beside the truth.
 
     Attributes
@@ -118,14 +115,14 @@ class Case:
     answer: VisibilityMap
 
 
-def not_admissible(case: Case) -> Bools:
+def not_admissible(trial: Trial) -> Bools:
     """Count as wrong (H, W) what the truth does not admit."""
-    return ~case.truth.admits(case.answer.face)
+    return ~trial.truth.admits(trial.answer.face)
 
 
-def another_choice(case: Case) -> Bools:
+def another_choice(trial: Trial) -> Bools:
     """Count as wrong (H, W) every face but that of the truth, even if it may own the tie as well."""
-    return np.asarray(case.answer.face != case.truth.face)
+    return np.asarray(trial.answer.face != trial.truth.face)
 
 
 def square_picture(_: float, side: int) -> tuple[int, int]:
@@ -159,9 +156,9 @@ class Family:
     size : callable
         From the value and the side to (width, height).
     wrong : callable
-        Which samples (H, W) of a case count as wrong.
+        Which samples (H, W) of a trial count as wrong.
     figure, figure_name
-        If given, a function from a case and its wrong samples to what is measured in place of their
+        If given, a function from a trial and its wrong samples to what is measured in place of their
         number, and the name of that. It is 0 where nothing is wrong.
     continuous : bool
         Whether values between those of the sweep make scenes as well; counts and exact grids do not.
@@ -179,8 +176,8 @@ class Family:
     scene: Callable[[float, int], Scene]
     variants: tuple[Variant, ...]
     size: Callable[[float, int], tuple[int, int]] = square_picture
-    wrong: Callable[[Case], Bools] = not_admissible
-    figure: Callable[[Case, Bools], float] | None = None
+    wrong: Callable[[Trial], Bools] = not_admissible
+    figure: Callable[[Trial, Bools], float] | None = None
     figure_name: str = "wrong samples"
     continuous: bool = True
     marked: Mapping[str, float] = field(default_factory=dict)
@@ -251,17 +248,6 @@ class Family:
         )
 
 
-@cache
-def families() -> dict[str, Family]:
-    """Return all families by name, in the order of their groups."""
-    found = [
-        importlib.import_module(f"{cases.__name__}.{module.name}").FAMILY
-        for module in pkgutil.iter_modules(cases.__path__)
-    ]
-    groups = list(GROUPS)
-    return {family.name: family for family in sorted(found, key=lambda f: (groups.index(f.group), f.name))}
-
-
 GROUPS = {
     "depth": "Which of two surfaces is nearer",
     "coverage": "Which samples a face covers",
@@ -272,15 +258,15 @@ GROUPS = {
 """What the families are about."""
 
 
-def family_named(name: str) -> Family:
-    """Return one family.
+def hard_case(**facts: Any) -> Callable[[Callable[[float, int], Scene]], Family]:
+    """Make a family of the function below, which returns its scenes.
 
-    Raises
-    ------
-    HsrError
-        If no family has that name.
+    The function's name is that of the family, the second paragraph of its docstring the story. Everything
+    else is said in ``facts``: the other attributes of :class:`Family`.
     """
-    try:
-        return families()[name]
-    except KeyError:
-        raise HsrError(f"no family is named {name!r}; there are {', '.join(families())}") from None
+
+    def made(scene: Callable[[float, int], Scene]) -> Family:
+        story = (inspect.getdoc(scene) or "").split("\n\n")[1].replace("\n", " ")
+        return Family(name=scene.__name__.replace("_", "-"), story=story, scene=scene, **facts)
+
+    return made

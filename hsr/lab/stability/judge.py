@@ -14,7 +14,7 @@ from hsr.algorithms.registry import method_named
 from hsr.base.arrays import Bools
 from hsr.base.errors import MethodError, UnavailableError
 from hsr.difference.cause import causes
-from hsr.lab.stability.family import QUICK_SIDE, SIDE, Case, Family, Variant
+from hsr.lab.stability.family import QUICK_SIDE, SIDE, Family, Trial, Variant
 from hsr.models.stages import Cause
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View
@@ -249,26 +249,26 @@ def _judged(problem: _Problem, variant: Variant, traced: int) -> tuple[Point, st
         answer = variant.render(seen)
     except MethodError as refusal:
         return Point(problem.value, 0, samples, 0.0, {}, str(refusal)), ""
-    case = Case(problem.family, problem.value, seen, truth, variant, answer)
-    wrong = problem.family.wrong(case)
+    trial = Trial(problem.family, problem.value, seen, truth, variant, answer)
+    wrong = problem.family.wrong(trial)
     count = int(np.count_nonzero(wrong))
-    figure = problem.family.figure(case, wrong) if problem.family.figure else float(count)
-    point = Point(problem.value, count, samples, figure, _causes(case, wrong, traced))
+    figure = problem.family.figure(trial, wrong) if problem.family.figure else float(count)
+    point = Point(problem.value, count, samples, figure, _causes(trial, wrong, traced))
     return point, answer.notes.get("driver", "")
 
 
-def _causes(case: Case, wrong: Bools, traced: int) -> dict[str, int]:
+def _causes(trial: Trial, wrong: Bools, traced: int) -> dict[str, int]:
     """Count the wrong samples (H, W) by cause; at most so many of them are traced."""
     samples = np.flatnonzero(wrong)
     if not len(samples):
         return {}
-    if case.variant.mistake is not None:
+    if trial.variant.mistake is not None:
         return {PLANTED: len(samples)}
     chosen = samples[:: -(-len(samples) // traced)]
-    face = case.truth.face.copy()  # what is right needs no cause
-    face.ravel()[chosen] = case.answer.face.ravel()[chosen]
-    answer = replace(case.answer, face=face)
-    found = causes(case.view, answer, case.truth, **case.variant.options).cause.ravel()[chosen]
+    face = trial.truth.face.copy()  # what is right needs no cause
+    face.ravel()[chosen] = trial.answer.face.ravel()[chosen]
+    answer = replace(trial.answer, face=face)
+    found = causes(trial.view, answer, trial.truth, **trial.variant.options).cause.ravel()[chosen]
     labels = {cause: cause.label for cause in Cause} | {Cause.NONE: OTHER_CHOICE}
     return {label: n for cause, label in labels.items() if (n := int(np.count_nonzero(found == cause)))}
 

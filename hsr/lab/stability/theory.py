@@ -64,7 +64,7 @@ def linear(bits: int, _: float, near: float, far: float) -> float:
     return (far - near) / (2.0**bits - 1.0)
 
 
-def reciprocal(d: float) -> float:
+def reciprocal(d: float, *_: float) -> float:
     """Resolve ``1 / d`` as float32: its spacing times d squared."""
     return spacing(1.0 / d) * d * d
 

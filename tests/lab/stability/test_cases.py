@@ -8,7 +8,8 @@ from functools import cache
 import pytest
 
 from hsr.algorithms.registry import certified_methods, method_named
-from hsr.lab.stability.family import Family, another_choice, families
+from hsr.lab.stability.cases import families
+from hsr.lab.stability.family import Family, another_choice
 from hsr.lab.stability.judge import FINE, Result, judge
 
 FAMILIES = families()

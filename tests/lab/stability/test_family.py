@@ -12,22 +12,24 @@ import hsr
 from hsr.algorithms.registry import certified_methods, methods
 from hsr.base.errors import HsrError, MethodError
 from hsr.lab.stability import cases
-from hsr.lab.stability.family import (
-    GROUPS,
-    QUICK_SIDE,
-    Family,
-    Variant,
-    families,
-    family_named,
-)
+from hsr.lab.stability.cases import families, family_named
+from hsr.lab.stability.family import GROUPS, QUICK_SIDE, Family, Variant
 from hsr.scene.writing import to_toml
 
 FAMILIES = families()
 
 
-def test_every_module_is_a_family() -> None:
-    modules = {path.stem for path in Path(cases.__path__[0]).glob("[!_]*.py")}
-    assert {name.replace("-", "_") for name in FAMILIES} == modules and len(FAMILIES) >= 40
+def test_every_file_holds_hard_cases() -> None:
+    files = {path.stem for path in Path(cases.__path__[0]).glob("[!_]*.py")}
+    assert {family.scene.__module__.rpartition(".")[2] for family in FAMILIES.values()} == files
+    assert len(FAMILIES) == 41
+
+
+def test_a_function_is_a_family_by_its_name_and_its_docstring() -> None:
+    family = family_named("needle-gap")
+    assert family.scene.__name__ == "needle_gap"
+    assert family.story.startswith("Two walls leave a gap through which a third is seen, at one column of")
+    assert family.story.endswith("which one of the two walls then owns.")
 
 
 @pytest.mark.parametrize("family", FAMILIES.values(), ids=FAMILIES)

@@ -10,7 +10,8 @@ import pytest
 
 from hsr.base.errors import MethodError
 from hsr.lab.stability.building import parallel, scene_of, wall
-from hsr.lab.stability.family import Family, Variant, family_named
+from hsr.lab.stability.cases import family_named
+from hsr.lab.stability.family import Family, Variant
 from hsr.lab.stability.judge import FINE, PLANTED, Result, Verdict, contradictions, judge
 from hsr.mistakes.renderers import Buffer, levels_of_reversed
 from hsr.problem.view import View

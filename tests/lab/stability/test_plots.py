@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from hsr.lab.stability.family import family_named
+from hsr.lab.stability.cases import family_named
 from hsr.lab.stability.judge import Result, judge
 from hsr.lab.stability.plots import chart, draw
 from hsr.lab.stability.summary import HEADINGS, cells, headline, markdown, matrix

@@ -1,1 +1,38 @@
-"""The families, one a module: each has a ``FAMILY``."""
+"""The hard cases, a file a theme. Whatever a file of this folder calls a hard case takes part."""
+
+from __future__ import annotations
+
+import pkgutil
+from functools import cache
+from importlib import import_module
+
+from hsr.base.errors import HsrError
+from hsr.lab.stability.family import GROUPS, Family
+
+
+@cache
+def families() -> dict[str, Family]:
+    """Return all families by name, in the order of their groups."""
+    modules = [import_module(f"{__name__}.{found.name}") for found in pkgutil.iter_modules(__path__)]
+    found = {
+        thing.name: thing
+        for module in modules
+        for thing in vars(module).values()
+        if isinstance(thing, Family)
+    }
+    groups = list(GROUPS)
+    return dict(sorted(found.items(), key=lambda item: (groups.index(item[1].group), item[0])))
+
+
+def family_named(name: str) -> Family:
+    """Return one family.
+
+    Raises
+    ------
+    HsrError
+        If no family has that name.
+    """
+    try:
+        return families()[name]
+    except KeyError:
+        raise HsrError(f"no family is named {name!r}; there are {', '.join(families())}") from None

@@ -11,7 +11,7 @@ import numpy as np
 from hsr.base.arrays import Bools, Floats
 from hsr.lab.stability import theory
 from hsr.lab.stability.building import central, powers_of_two, quads, scene_of
-from hsr.lab.stability.family import Case, Family, Variant
+from hsr.lab.stability.family import Trial, Variant, hard_case
 from hsr.mistakes.renderers import (
     Buffer,
     distance,
@@ -27,104 +27,65 @@ COLUMNS, ROWS = 64, 4
 FARTHEST = 1.0 + (ROWS - 1) / 64
 """Depth of the last row's pairs, over the distance."""
 
+Curve = Callable[[float], float]
+"""What theory says is resolved at a distance."""
+
 
 def separations(at: float) -> Floats:
     """Return the separation (W,) of the pairs in every column: 36 octaves, down from twice the distance."""
     return np.asarray(at * np.exp2(1.0 - np.arange(COLUMNS) * (36.0 / COLUMNS)))
 
 
-def scene(at: float, _: int) -> Scene:
-    """Put a pair at every sample, the farther square first; each row lies a little farther away."""
-    row, column = np.mgrid[:ROWS, :COLUMNS].reshape(2, -1)
-    near = at * (1.0 + row / 64)
-    depth = np.stack([near + separations(at)[column], near], axis=1).ravel()
-    middle = np.stack([(2 * column + 1) / COLUMNS - 1, 1 - (2 * row + 1) / ROWS], axis=1).repeat(2, axis=0)
-    around = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]) / [COLUMNS, ROWS]
-    across = (middle[:, None] + around) * depth[:, None, None]
-    corners = np.insert(across, 2, -depth[:, None], axis=2)
-    return scene_of(central(NEAR, FAR), quads(corners))
-
-
-def resolution(case: Case, wrong: Bools) -> float:
+def resolution(trial: Trial, wrong: Bools) -> float:
     """Return the largest separation of a pair that is not told apart, 0 if all are."""
-    return float((separations(case.value) * wrong.any(axis=0)).max())
+    return float((separations(trial.value) * wrong.any(axis=0)).max())
 
 
-def format_of(curve: Callable[..., float], *bits: int, **keys: Any) -> Callable[[float], float]:
+def of(curve: Callable[..., float], *bits: int, **keys: Any) -> Curve:
     """Return the resolution of a format at the farthest pair of a view."""
     return lambda at: curve(*bits, FARTHEST * at, NEAR, FAR, **keys)
 
 
-def of_the_driver(curve: Callable[..., float], *bits: int) -> Callable[[float], float]:
-    """Return the same for a driver, which rounds corners to float32 before anything else."""
-    return lambda at: max(curve(*bits, FARTHEST * at, NEAR, FAR), theory.spacing(FARTHEST * at))
+def spacing(at: float) -> float:
+    """Return the spacing of float32 at the farthest pair of a view."""
+    return theory.spacing(FARTHEST * at)
 
 
-LESS = 3.0
-"""A view has four pairs a separation, separations 1.5 apart: few meet the worst place between levels."""
+def resolved(name: str, because: str, curve: Curve, **how: Any) -> Variant:
+    """Return a variant by what it resolves.
 
-EXCESS = 2.0
-"""Of libraries: they round corners, and depth again while they interpolate it, before what is stored is."""
+    A view has four pairs a separation, separations 1.5 apart: few meet the worst place between levels. Hence
+    the factor.
+    """
+    return Variant(name, because=because, factor=3.0, curve=curve, **how)
 
-FORMATS: tuple[tuple[str, dict[str, Any], Callable[[float], float], str], ...] = (
-    ("D16", {"depth_format": "d16"}, format_of(theory.integers, 16), "q d^2 / near"),
-    ("D24", {"depth_format": "d24"}, format_of(theory.integers, 24), "q d^2 / near"),
-    ("D32F", {"depth_format": "d32f"}, format_of(theory.float_window), "2^-24 d^2 / near: that of D24"),
-    ("D32F reversed", {"depth_format": "d32f-reversed"}, format_of(theory.float_reversed), "2^-23 d at most"),
-    ("W16", {"depth_format": "w16"}, format_of(theory.linear, 16), "q (far - near)"),
-    ("W24", {"depth_format": "w24"}, format_of(theory.linear, 24), "q (far - near)"),
-    ("1/w float32", {"depth_format": "1/w"}, lambda at: theory.reciprocal(FARTHEST * at), "2^-23 d at most"),
-)
-"""The formats of the scan conversion: name, options, resolution, and its formula."""
 
-PLAIN: tuple[tuple[str, Any, Callable[[float], float], str], ...] = (
-    ("D16 reversed", levels_of_reversed(16), format_of(theory.integers, 16), "that of D16"),
-    (
-        "D32F reversed in [-1, 1]",
-        reversed_through_ndc,
-        format_of(theory.reversed_through_ndc),
-        "2^-25 d^2 / near",
-    ),
-    ("log, 16 bits", levels_of_logarithm(16), format_of(theory.logarithmic, 16), "q d ln(far / near)"),
-    (
-        "half float reversed",
-        minifloat(5, 10),
-        format_of(theory.float_reversed, mantissa=10, least=-24),
-        "2^-10 d at most, then 2^-24 d^2 / near",
-    ),
-    (
-        "16 bits, 4 of them exponent",
-        minifloat(4, 12),
-        format_of(theory.float_reversed, mantissa=12, least=-18),
-        "2^-12 d at most, then 2^-18 d^2 / near",
-    ),
-    ("ray t, float32", distance(np.float32), lambda at: theory.spacing(FARTHEST * at), "2^-23 d at most"),
-)
-"""Formats that only the plain buffer has: name, what is stored, resolution, and its formula."""
+def scanned(name: str, kept: str, because: str, curve: Curve) -> Variant:
+    """Return scan conversion with a depth format."""
+    return resolved(name, because, curve, method="scanline-direct", options={"depth_format": kept})
 
-DRIVEN: tuple[tuple[str, str, Callable[[float], float], str], ...] = (
-    ("opengl", "d24", of_the_driver(theory.integers, 24), "q d^2 / near"),
-    ("opengl D16", "d16", of_the_driver(theory.integers, 16), "q d^2 / near"),
-    (
-        "opengl D32F",
-        "d32f",
-        of_the_driver(theory.float_window),
-        "2^-24 d^2 / near, or 2^-23 d: float32 corners",
-    ),
-    (
-        "opengl D32F reversed",
-        "d32f-reversed",
-        of_the_driver(theory.float_reversed),
-        "2^-23 d at most",
-    ),
-    (
-        "opengl D32F reversed in [-1, 1]",
-        "d32f-reversed-ndc",
-        of_the_driver(theory.reversed_through_ndc),
-        "2^-25 d^2 / near",
-    ),
-)
-"""The formats of the driver: name, depth format, resolution, and its formula."""
+
+def plain(name: str, stored: Any, because: str, curve: Curve) -> Variant:
+    """Return a format that only the plain buffer has."""
+    return resolved(name, because, curve, mistake=Buffer(stored=stored))
+
+
+def driven(name: str, kept: str, because: str, curve: Curve) -> Variant:
+    """Return the driver with a depth format.
+
+    It rounds corners to float32 before anything else, and depth again while it interpolates it, before what
+    is stored is: hence the excess.
+    """
+    options = {"depth_format": kept}
+    return resolved(
+        name,
+        because,
+        lambda at: max(curve(at), spacing(at)),
+        method="opengl",
+        options=options,
+        excess=2.0,
+    )
+
 
 CROSSINGS = {
     "D24 no worse than D32F": 2.0 * NEAR,
@@ -134,40 +95,43 @@ CROSSINGS = {
 }
 """Where resolutions cross: 2 near, near ln(far / near), the mean of near and far on both scales."""
 
-FAMILY = Family(
-    name="parallel-pair",
+D16, D24 = of(theory.integers, 16), of(theory.integers, 24)
+WINDOW, REVERSED = of(theory.float_window), of(theory.float_reversed)
+THROUGH_NDC = of(theory.reversed_through_ndc)
+HALF = of(theory.float_reversed, mantissa=10, least=-24)
+FOUR_BITS = of(theory.float_reversed, mantissa=12, least=-18)
+
+
+@hard_case(
     group="depth",
-    story=(
-        "Two squares face the eye, the nearer one drawn second. A depth buffer tells them apart if their "
-        "stored depths differ, so what it resolves is the spacing of its numbers divided by the slope of "
-        "what it stores. Standard window depth loses two digits for every tenfold distance, as integers and "
-        "as floats; reversed floats, 1/w and logarithms lose one, and linear depth none. D24 and D32F part "
-        "at twice the near distance, D16 and W16 cross where d^2 = near far, W24 passes reversed floats at "
-        "half the far one."
-    ),
     expected="The nearer square of every pair.",
-    source=(
-        "E. Lapidous, G. Jiao, Optimal Depth Buffer for Low-Cost Graphics Hardware (1999); N. Reed, Depth "
-        "Precision Visualized (2015); J. Blinn, W Pleasure, W Fun (1998)"
-    ),
+    source="E. Lapidous, G. Jiao, Optimal Depth Buffer for Low-Cost Graphics Hardware (1999); N. Reed, Depth "
+    "Precision Visualized (2015); J. Blinn, W Pleasure, W Fun (1998)",
     parameter="distance from the eye, in units of the near distance",
     sweep=powers_of_two(0, 13),
-    scene=scene,
     size=lambda *_: (COLUMNS, ROWS),
     figure=resolution,
     figure_name="largest separation that is not resolved",
     marked=CROSSINGS,
     variants=(
-        *(
-            Variant(
-                name, because=because, factor=LESS, method="scanline-direct", options=options, curve=curve
-            )
-            for name, options, curve, because in FORMATS
+        scanned("D16", "d16", "q d^2 / near", D16),
+        scanned("D24", "d24", "q d^2 / near", D24),
+        scanned("D32F", "d32f", "2^-24 d^2 / near: that of D24", WINDOW),
+        scanned("D32F reversed", "d32f-reversed", "2^-23 d at most", REVERSED),
+        scanned("W16", "w16", "q (far - near)", of(theory.linear, 16)),
+        scanned("W24", "w24", "q (far - near)", of(theory.linear, 24)),
+        scanned("1/w float32", "1/w", "2^-23 d at most", of(theory.reciprocal)),
+        plain("D16 reversed", levels_of_reversed(16), "that of D16", D16),
+        plain("D32F reversed in [-1, 1]", reversed_through_ndc, "2^-25 d^2 / near", THROUGH_NDC),
+        plain("log, 16 bits", levels_of_logarithm(16), "q d ln(far / near)", of(theory.logarithmic, 16)),
+        plain("half float reversed", minifloat(5, 10), "2^-10 d at most, then 2^-24 d^2 / near", HALF),
+        plain(
+            "16 bits, 4 of them exponent",
+            minifloat(4, 12),
+            "2^-12 d at most, then 2^-18 d^2 / near",
+            FOUR_BITS,
         ),
-        *(
-            Variant(name, because=because, factor=LESS, mistake=Buffer(stored=stored), curve=curve)
-            for name, stored, curve, because in PLAIN
-        ),
+        plain("ray t, float32", distance(np.float32), "2^-23 d at most", spacing),
         Variant("scanline-direct", None, "float64 resolves 2^-53 d^2 / near: less than any pair is apart"),
         Variant(
             "ray t, float64",
@@ -175,24 +139,27 @@ FAMILY = Family(
             "2^-52 d: less than any pair is apart",
             mistake=Buffer(stored=distance(np.float64)),
         ),
-        *(
-            Variant(
-                name,
-                because=because,
-                factor=LESS,
-                method="opengl",
-                options={"depth_format": kept},
-                curve=curve,
-                excess=EXCESS,
-            )
-            for name, kept, curve, because in DRIVEN
-        ),
-        Variant(
-            "embree",
-            because="2^-23 d: float32 corners",
-            factor=LESS,
-            curve=lambda at: theory.spacing(FARTHEST * at),
-            excess=EXCESS,
-        ),
+        driven("opengl", "d24", "q d^2 / near", D24),
+        driven("opengl D16", "d16", "q d^2 / near", D16),
+        driven("opengl D32F", "d32f", "2^-24 d^2 / near, or 2^-23 d: float32 corners", WINDOW),
+        driven("opengl D32F reversed", "d32f-reversed", "2^-23 d at most", REVERSED),
+        driven("opengl D32F reversed in [-1, 1]", "d32f-reversed-ndc", "2^-25 d^2 / near", THROUGH_NDC),
+        resolved("embree", "2^-23 d: float32 corners", spacing, excess=2.0),
     ),
 )
+def parallel_pair(at: float, _: int) -> Scene:
+    """Put a pair at every sample, the farther square first; each row lies a little farther away.
+
+    Two squares face the eye, the nearer one drawn second. A depth buffer tells them apart if their stored
+    depths differ, so what it resolves is the spacing of its numbers divided by the slope of what it stores.
+    Standard window depth loses two digits for every tenfold distance, as integers and as floats; reversed
+    floats, 1/w and logarithms lose one, and linear depth none. D24 and D32F part at twice the near distance,
+    D16 and W16 cross where d^2 = near far, W24 passes reversed floats at half the far one.
+    """
+    row, column = np.mgrid[:ROWS, :COLUMNS].reshape(2, -1)
+    near = at * (1.0 + row / 64)
+    depth = np.stack([near + separations(at)[column], near], axis=1).ravel()
+    middle = np.stack([(2 * column + 1) / COLUMNS - 1, 1 - (2 * row + 1) / ROWS], axis=1).repeat(2, axis=0)
+    around = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]) / [COLUMNS, ROWS]
+    across = (middle[:, None] + around) * depth[:, None, None]
+    return scene_of(central(NEAR, FAR), quads(np.insert(across, 2, -depth[:, None], axis=2)))

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from hsr.lab.stability import theory
 from hsr.lab.stability.building import central, powers_of_two, quads, scene_of
-from hsr.lab.stability.family import Family, Variant
+from hsr.lab.stability.family import Variant, hard_case
 from hsr.mistakes.renderers import Buffer, reversed_through_ndc
 from hsr.scene.model import Scene
 
 NEAR, FAR, DEPTH = 1.0, 65537.0, 1000.0
-
 
 D16, D24 = (theory.integers(bits, DEPTH, NEAR, FAR) / DEPTH for bits in (16, 24))
 D32F = theory.float_window(DEPTH, NEAR, FAR) / DEPTH
@@ -20,46 +21,23 @@ THROUGH_NDC = theory.reversed_through_ndc(DEPTH, NEAR, FAR) / DEPTH
 """What each format resolves, over the distance."""
 
 
-def scene(part: float, _: int) -> Scene:
-    """Hang eight pairs of strips side by side, the farther first, each pair a little nearer than the last."""
-    left = np.linspace(-1.0, 1.0, 8, endpoint=False)
-    corners = []
-    for x, depth in zip(left, DEPTH * (1.0 - 0.011 * np.arange(8)), strict=True):
-        strip = np.array([[x, -1.0, -1.0], [x + 0.25, -1.0, -1.0], [x + 0.25, 1.0, -1.0], [x, 1.0, -1.0]])
-        corners += [depth * (1.0 + part) * strip, depth * strip]
-    return scene_of(central(NEAR, FAR), quads(corners))
+def kept(name: str, breaks: float, because: str, method: str, **options: Any) -> Variant:
+    """Return a method with a depth format of its own."""
+    return Variant(name, breaks, because, method=method, options=options)
 
 
-def driven(clip_range: str, kept: str, breaks: float, because: str) -> Variant:
-    """Return the driver with a reversed buffer."""
-    name = f"opengl D32F reversed in {clip_range}"
-    return Variant(name, breaks, because, method="opengl", options={"depth_format": kept})
-
-
-FAMILY = Family(
-    name="reversed-clip-range",
+@hard_case(
     group="depth",
-    story=(
-        "Floats are dense near 0, so a reversed buffer, 1 at near and 0 at far, spends them where window "
-        "depth is crowded. OpenGL's normalised depth runs from -1 to 1: adding 1 and halving rounds "
-        "everything at the spacing of numbers near 1 first, and what reversing has gained is lost again. "
-        "With glClipControl it runs from 0 to 1, and nothing is lost."
-    ),
     expected="The nearer strip of every pair.",
     source="N. Reed, Depth Precision Visualized (2015); OpenGL extension ARB_clip_control",
     parameter="separation over distance, at 1000 times the near distance",
     sweep=powers_of_two(-2, -28, 2),
-    scene=scene,
     variants=(
-        Variant("D16", D16, "q d / near", method="scanline-d16"),
-        Variant("D24", D24, "q d / near", method="scanline-d24"),
-        Variant("D32F", D32F, "2^-24 d / near", method="scanline-direct", options={"depth_format": "d32f"}),
-        Variant(
-            "D32F reversed in [0, 1]",
-            REVERSED,
-            "2^-23 at most",
-            method="scanline-d32f-reversed",
-            options={"stepping": "direct"},
+        kept("D16", D16, "q d / near", "scanline-d16"),
+        kept("D24", D24, "q d / near", "scanline-d24"),
+        kept("D32F", D32F, "2^-24 d / near", "scanline-direct", depth_format="d32f"),
+        kept(
+            "D32F reversed in [0, 1]", REVERSED, "2^-23 at most", "scanline-d32f-reversed", stepping="direct"
         ),
         Variant(
             "D32F reversed in [-1, 1]",
@@ -68,7 +46,33 @@ FAMILY = Family(
             mistake=Buffer(stored=reversed_through_ndc),
         ),
         Variant("opengl", D24, "q d / near, as D24"),
-        driven("[0, 1]", "d32f-reversed", REVERSED, "2^-23 at most"),
-        driven("[-1, 1]", "d32f-reversed-ndc", THROUGH_NDC, "2^-25 d / near"),
+        kept(
+            "opengl D32F reversed in [0, 1]",
+            REVERSED,
+            "2^-23 at most",
+            "opengl",
+            depth_format="d32f-reversed",
+        ),
+        kept(
+            "opengl D32F reversed in [-1, 1]",
+            THROUGH_NDC,
+            "2^-25 d / near",
+            "opengl",
+            depth_format="d32f-reversed-ndc",
+        ),
     ),
 )
+def reversed_clip_range(part: float, _: int) -> Scene:
+    """Hang eight pairs of strips side by side, the farther first, each pair a little nearer than the last.
+
+    Floats are dense near 0, so a reversed buffer, 1 at near and 0 at far, spends them where window depth is
+    crowded. OpenGL's normalised depth runs from -1 to 1: adding 1 and halving rounds everything at the
+    spacing of numbers near 1 first, and what reversing has gained is lost again. With glClipControl it runs
+    from 0 to 1, and nothing is lost.
+    """
+    corners = []
+    for k, x in enumerate(np.linspace(-1.0, 1.0, 8, endpoint=False)):
+        depth = DEPTH * (1.0 - 0.011 * k)
+        strip = np.array([[x, -1.0, -1.0], [x + 0.25, -1.0, -1.0], [x + 0.25, 1.0, -1.0], [x, 1.0, -1.0]])
+        corners += [depth * (1.0 + part) * strip, depth * strip]
+    return scene_of(central(NEAR, FAR), quads(corners))

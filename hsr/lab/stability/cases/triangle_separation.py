@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import partial
+from typing import Any
 
 import numpy as np
 
 from hsr.base.arrays import Bools, Floats
 from hsr.lab.stability import theory
-from hsr.lab.stability.building import central, mesh, scene_of
-from hsr.lab.stability.family import Case, Family, Variant
+from hsr.lab.stability.building import central, loose, scene_of
+from hsr.lab.stability.family import Trial, Variant, hard_case
 from hsr.scene.model import Scene
 
 NEAR, FAR, DEPTH = 1.0, 65537.0, 512.0
@@ -22,11 +24,13 @@ BITS = 8
 """Of the snapping grid whose least separation is the unit."""
 
 
-def least(side: int, point: Floats, bits: int = BITS, depth_bits: int = 24) -> float:
-    """Return the least separation at a point (x, y, -depth)."""
-    depth = -float(point[2])
-    dz = theory.integers(depth_bits, depth, NEAR, FAR)
-    return theory.separation(dz, depth, math.hypot(point[0], point[1]) / depth, bits, 2.0 / side)
+def least(side: int, triangle: Floats, bits: int = BITS, depth_bits: int = 24) -> float:
+    """Return the least separation that is told apart at every corner (x, y, -depth) of a triangle (3, 3)."""
+    found = []
+    for x, y, z in triangle.tolist():
+        dz = theory.integers(depth_bits, -z, NEAR, FAR)
+        found.append(theory.separation(dz, -z, math.hypot(x, y) / -z, bits, 2.0 / side))
+    return max(found)
 
 
 def nearer_triangles() -> Iterator[tuple[Floats, Floats, Floats]]:
@@ -42,82 +46,66 @@ def nearer_triangles() -> Iterator[tuple[Floats, Floats, Floats]]:
         yield DEPTH * ray + around, normal, around
 
 
-def scene(part: float, side: int) -> Scene:
-    """Put pairs of triangles into the picture; the farther, smaller one comes first."""
-    corners = []
-    for triangle, normal, around in nearer_triangles():
-        away = part * max(least(side, corner) for corner in triangle) * normal
-        corners += [triangle + away - 0.4 * around, triangle]
-    vertices = np.concatenate(corners)
-    return scene_of(central(NEAR, FAR), mesh(vertices, np.arange(len(vertices)).reshape(-1, 3)))
-
-
-def swapped(case: Case) -> Bools:
+def swapped(trial: Trial) -> Bools:
     """Count where the farther triangle of a pair is shown in place of the nearer."""
-    nearer = case.truth.face % 2 == 1
-    return np.asarray(nearer & (case.answer.face == case.truth.face - 1))
+    nearer = trial.truth.face % 2 == 1
+    return np.asarray(nearer & (trial.answer.face == trial.truth.face - 1))
 
 
-def failure_rate(case: Case, wrong: Bools) -> float:
+def failure_rate(trial: Trial, wrong: Bools) -> float:
     """Return the part of the samples with a nearer triangle that show the farther one."""
-    return float(wrong.sum() / (case.truth.face % 2 == 1).sum())
+    return float(wrong.sum() / (trial.truth.face % 2 == 1).sum())
 
 
 def unit_of(bits: int, depth_bits: int, side: int) -> float:
     """Return the least separation of another buffer in units of that of D24 with 8 bits, for all pairs."""
-    return max(
-        max(least(side, corner, bits, depth_bits) for corner in triangle)
-        / max(least(side, corner) for corner in triangle)
-        for triangle, _, _ in nearer_triangles()
-    )
+    found = [triangle for triangle, _, _ in nearer_triangles()]
+    return max(least(side, triangle, bits, depth_bits) / least(side, triangle) for triangle in found)
 
 
-def buffer(bits: int, depth_bits: int) -> Variant:
+def buffer(name: str, bits: int, depth_bits: int, because: str, **how: Any) -> Variant:
     """Return a scan conversion that snaps to so many bits and stores depth in so many."""
-    options = {"depth_format": f"d{depth_bits}", "subpixel_bits": bits}
+    unit = partial(unit_of, bits, depth_bits)
+    return Variant(name, lambda side: BEGIN * unit(side), because, safe=unit, **how)
+
+
+def snapping(bits: int, depth_bits: int) -> Variant:
+    """Return the same by the direct variant, under a name that tells both."""
     told = "below S_min = sqrt(dz^2 + (sqrt(2) 2^-b p + dz tan a)^2), never at it"
-    return Variant(
-        f"D{depth_bits}, {bits} bits",
-        lambda side: BEGIN * unit_of(bits, depth_bits, side),
-        told,
-        method="scanline-direct",
-        options=options,
-        safe=lambda side: unit_of(bits, depth_bits, side),
-    )
+    options = {"depth_format": f"d{depth_bits}", "subpixel_bits": bits}
+    name = f"D{depth_bits}, {bits} bits"
+    return buffer(name, bits, depth_bits, told, method="scanline-direct", options=options)
 
 
-FAMILY = Family(
-    name="triangle-separation",
+@hard_case(
     group="depth",
-    story=(
-        "Pairs of parallel triangles lie in planes of any orientation. A depth buffer that snaps corners "
-        "moves each plane, and a plane seen at a slant moves far along the line of sight: sub-pixel "
-        "precision can matter more than the depth format. The closed form bounds both; below it failures "
-        "begin, at it there are none."
-    ),
     expected="The nearer triangle wherever both are met.",
-    source=(
-        "K. Akeley, J. Su, Minimum Triangle Separation for Correct Z-Buffer Occlusion (2006); the formula "
-        "is derived anew in theory.py"
-    ),
+    source="K. Akeley, J. Su, Minimum Triangle Separation for Correct Z-Buffer Occlusion (2006); the formula "
+    "is derived anew in theory.py",
     parameter="separation, in units of the least one for D24 with 8 sub-pixel bits",
     sweep=tuple(64.0 * 2.0 ** (-k / 2) for k in range(31)),
-    scene=scene,
     wrong=swapped,
     marked={"S_min of D24 with 8 bits": 1.0},
     figure=failure_rate,
     figure_name="part of the samples that show the farther one",
     variants=(
-        buffer(4, 16),
-        buffer(8, 16),
-        buffer(4, 24),
-        buffer(8, 24),
-        Variant(
-            "scanline-d24",
-            lambda side: BEGIN * unit_of(40, 24, side),
-            "below dz / cos a, never at it",
-            safe=lambda side: unit_of(40, 24, side),
-        ),
+        snapping(4, 16),
+        snapping(8, 16),
+        snapping(4, 24),
+        snapping(8, 24),
+        buffer("scanline-d24", 40, 24, "below dz / cos a, never at it"),
         Variant("opengl", BEGIN, "as D24 with 8 bits; its depths come from unsnapped corners", safe=1.0),
     ),
 )
+def triangle_separation(part: float, side: int) -> Scene:
+    """Put pairs of triangles into the picture; the farther, smaller one comes first.
+
+    Pairs of parallel triangles lie in planes of any orientation. A depth buffer that snaps corners moves each
+    plane, and a plane seen at a slant moves far along the line of sight: sub-pixel precision can matter more
+    than the depth format. The closed form bounds both; below it failures begin, at it there are none.
+    """
+    corners = []
+    for triangle, normal, around in nearer_triangles():
+        away = part * least(side, triangle) * normal
+        corners += [triangle + away - 0.4 * around, triangle]
+    return scene_of(central(NEAR, FAR), loose(corners))
