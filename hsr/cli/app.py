@@ -368,7 +368,7 @@ def shrink(
 
 def _sample(text: str, view: View) -> tuple[int, int]:
     """Read X,Y: column and row of a sample of the image."""
-    from hsr.difference.near import check_sample
+    from hsr.difference.nearby import check_sample
 
     x, _, y = text.partition(",")
     try:

@@ -13,7 +13,7 @@ import numpy as np
 
 from hsr.base.errors import MapError
 from hsr.difference.cause import Causes, causes
-from hsr.difference.near import Nearby, check_sample, nearby
+from hsr.difference.nearby import Nearby, check_sample, nearby
 from hsr.difference.sightline import EDGE_ON, Layer, Sight, sights
 from hsr.models.llvmpipe.driver import LLVMPIPE, Drawing, Drawn
 from hsr.models.stages import Cause

@@ -18,7 +18,7 @@ import numpy as np
 from hsr.algorithms.registry import render
 from hsr.base.arrays import Floats, Ints
 from hsr.base.errors import MethodError
-from hsr.difference.near import check_sample, nearby
+from hsr.difference.nearby import check_sample, nearby
 from hsr.problem.map import BACKGROUND, name_in
 from hsr.problem.view import Placement, View, view
 from hsr.scene.gltf import unique

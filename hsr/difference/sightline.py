@@ -18,12 +18,11 @@ from itertools import chain, pairwise
 
 import numpy as np
 
-from hsr.base.arrays import Array, Bools, Ints
-from hsr.difference.near import Nearby, check_sample, nearby, ranges
+from hsr.base.arrays import Array, Bools, Ints, ranges
+from hsr.difference.nearby import REACH, Nearby, check_sample, nearby
 from hsr.exact.decide import Form, Piece
 from hsr.exact.depths import depth_quotient
-from hsr.exact.germs import Polynomial, at, beside, coefficients
-from hsr.exact.margins import REACH, pixels, pixels_to_zero
+from hsr.exact.infinitesimals import Polynomial, at, beside, coefficients
 from hsr.exact.numbers import Frame, frame_of, integers
 from hsr.exact.numbers import samples as coordinates
 from hsr.exact.oracle import answers
@@ -341,7 +340,8 @@ def _met(near: Nearby, lines: _Lines) -> dict[int, tuple[Fraction, str]]:
 def _beside(forms: Array, value: Array) -> Array:
     """Return the signs of affine functions just to the right of and below samples where they have a value.
 
-    Moved by e to the right and by d down, a i + b j + c grows by a e - b d; see :mod:`hsr.exact.germs`.
+    Moved by e to the right and by d down, a i + b j + c grows by a e - b d.
+    See :mod:`hsr.exact.infinitesimals`.
     """
     right, below = forms[..., 0], -forms[..., 1]
     return np.asarray(np.sign(np.where(value != 0, value, np.where(right != 0, right, below))))
@@ -422,3 +422,22 @@ def _form_distance(piece: Piece, bound: Form, i: int, j: int) -> float:
         dp, dr, ds, rise = (int(x.derivative(axis)(i, j)) for x in (zeta.p, zeta.r, zeta.s, offset))
         square += (double * (rise * s * s + k * (dp * s - above * ds)) + k * q * dr * s) ** 2
     return pixels_to_zero(value * double * s, square)
+
+
+# ---------------------------------------------------------------- distances
+
+
+def pixels(polynomial: Polynomial, i: int, j: int) -> float:
+    """Distance to where a polynomial vanishes, to first order; a pixel is two units of (i, j)."""
+    slopes = [int(polynomial.derivative(k)(i, j)) for k in (0, 1)]
+    return pixels_to_zero(int(polynomial(i, j)), slopes[0] ** 2 + slopes[1] ** 2)
+
+
+def pixels_to_zero(value: int, square: int) -> float:
+    """Turn a value, and the square of its gradient by (i, j), into a distance.
+
+    Infinite if the value is stationary at the sample, as that of what does not cut is, or all but so: if the
+    square of the distance is beyond float64.
+    """
+    side = 1.0 if value >= 0 else -1.0
+    return side * (math.inf if value**2 >> 1023 >= square else 0.5 * math.sqrt(value**2 / square))

@@ -16,7 +16,7 @@ from typing import Any
 
 from flint import fmpz_poly
 
-from hsr.exact.germs import IMAGE, I, J, Polynomial, Spot, Surd, at, beside, sign
+from hsr.exact.infinitesimals import IMAGE, I, J, Polynomial, Spot, Surd, at, beside, sign
 from hsr.problem.map import BACKGROUND
 
 Form = tuple[Polynomial, Polynomial]

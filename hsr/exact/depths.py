@@ -8,8 +8,8 @@ import numpy as np
 
 from hsr.base.arrays import Floats, Ints
 from hsr.exact.decide import Piece
-from hsr.exact.doubled import bits, depths, split
-from hsr.exact.germs import at, beside, coefficients
+from hsr.exact.double_double import bits, depths, split
+from hsr.exact.infinitesimals import at, beside, coefficients
 from hsr.exact.numbers import Frame
 from hsr.exact.problem import Problem
 
@@ -39,7 +39,7 @@ def depths_of(problem: Problem, owner: Ints) -> Floats:
 
 
 def _forms(frame: Frame) -> Floats:
-    """Turn the forms of a depth into four polynomials for :func:`hsr.exact.doubled.depths`."""
+    """Turn the forms of a depth into four polynomials for :func:`hsr.exact.double_double.depths`."""
     forms = np.array([frame.depth, frame.unit])
     scale = np.repeat(bits(forms).max(), 2)
     table = np.zeros((4, 3, 6))

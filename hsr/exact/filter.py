@@ -21,7 +21,7 @@ import numpy as np
 from hsr.base.arrays import Array, Bools, Floats, Ints
 from hsr.base.jit import jit
 from hsr.exact.decide import Piece
-from hsr.exact.germs import Polynomial, coefficients
+from hsr.exact.infinitesimals import Polynomial, coefficients
 from hsr.exact.planes import Triangles, bounds, ratio
 from hsr.exact.quadrics import Round
 
@@ -56,12 +56,12 @@ def candidates(flat: TriangleTables, curved: RoundTables, height: int, width: in
     both for certain. No other sample is settled.
     """
     reach = np.full((height, width), np.inf)
-    reach_triangles(*flat, reach)
-    reach_rounds(*curved, reach)
+    reach_triangles(flat, reach)
+    reach_rounds(curved, reach)
 
     def visit(slot: Array, piece: Ints, sure: Bools) -> None:
-        list_triangles(*flat, reach, slot, piece, sure)
-        list_rounds(*curved, reach, slot, piece, sure, len(flat.key))
+        list_triangles(flat, reach, slot, piece, sure)
+        list_rounds(curved, reach, slot, piece, sure, len(flat.key))
 
     count = np.zeros((height, width), dtype=np.int64)
     visit(count, np.zeros(0, np.int32), np.zeros(0, np.bool_))
@@ -162,10 +162,9 @@ def span(half: Floats, slack: Floats, j: int, width: int, box: Ints) -> tuple[in
 
 
 @jit
-def reach_triangles(
-    half: Floats, slack: Floats, key: Floats, key_slack: Floats, box: Ints, reach: Floats
-) -> None:
+def reach_triangles(flat: TriangleTables, reach: Floats) -> None:
     """Lower ``reach`` (H, W) to the greatest key that a triangle surely at the sample can have."""
+    half, slack, key, key_slack, box = flat
     height, width = reach.shape
     for t in range(len(key)):
         for row in range(box[t, 0], box[t, 2] + 1):
@@ -178,21 +177,12 @@ def reach_triangles(
 
 
 @jit
-def list_triangles(
-    half: Floats,
-    slack: Floats,
-    key: Floats,
-    key_slack: Floats,
-    box: Ints,
-    reach: Floats,
-    slot: Array,
-    piece: Ints,
-    sure: Bools,
-) -> None:
+def list_triangles(flat: TriangleTables, reach: Floats, slot: Array, piece: Ints, sure: Bools) -> None:
     """Write what may be nearest at each sample from its ``slot`` (H, W) on, which moves along.
 
     With empty ``piece`` and ``sure`` nothing is written: the slots count.
     """
+    half, slack, key, key_slack, box = flat
     height, width = reach.shape
     for t in range(len(key)):
         for row in range(box[t, 0], box[t, 2] + 1):
@@ -297,17 +287,16 @@ def key_between(surd: Floats, i: int, j: int) -> tuple[float, float]:
 
 
 @jit
-def round_at(
-    surd: Floats, extent: Floats, offset: Floats, slope: Floats, i: int, j: int
-) -> tuple[int, float, float]:
+def round_at(curved: RoundTables, t: int, i: int, j: int) -> tuple[int, float, float]:
     """Judge a piece at a sample: 0 not there, 1 perhaps, 2 surely; and bounds of its key."""
+    offset, slope = curved.offset[t], curved.slope[t]
     verdict = 2
-    for k in range(len(extent)):
-        low, high = conic(extent[k], i, j)
+    for k in range(curved.extent.shape[1]):
+        low, high = conic(curved.extent[t, k], i, j)
         if high < 0.0:
             return 0, 0.0, 0.0
         verdict = min(verdict, 2 if low > 0.0 else 1)
-    low, high = key_between(surd, i, j)
+    low, high = key_between(curved.surd[t], i, j)
     if high == np.inf:
         return 1, low, high
     for k in range(len(offset)):
@@ -321,40 +310,31 @@ def round_at(
 
 
 @jit
-def reach_rounds(
-    surd: Floats, extent: Floats, offset: Floats, slope: Floats, box: Ints, reach: Floats
-) -> None:
+def reach_rounds(curved: RoundTables, reach: Floats) -> None:
     """Lower ``reach`` (H, W) to the greatest key that a piece surely at the sample can have."""
+    box = curved.box
     height, width = reach.shape
-    for t in range(len(surd)):
+    for t in range(len(box)):
         for row in range(box[t, 0], box[t, 2] + 1):
             for column in range(box[t, 1], box[t, 3] + 1):
                 i, j = 2 * column + 1 - width, height - 1 - 2 * row
-                verdict, _, farthest = round_at(surd[t], extent[t], offset[t], slope[t], i, j)
+                verdict, _, farthest = round_at(curved, t, i, j)
                 if verdict == 2:
                     reach[row, column] = min(reach[row, column], farthest)
 
 
 @jit
 def list_rounds(
-    surd: Floats,
-    extent: Floats,
-    offset: Floats,
-    slope: Floats,
-    box: Ints,
-    reach: Floats,
-    slot: Array,
-    piece: Ints,
-    sure: Bools,
-    number: int,
+    curved: RoundTables, reach: Floats, slot: Array, piece: Ints, sure: Bools, number: int
 ) -> None:
     """Write as :func:`list_triangles` does; the pieces are numbered from ``number``."""
+    box = curved.box
     height, width = reach.shape
-    for t in range(len(surd)):
+    for t in range(len(box)):
         for row in range(box[t, 0], box[t, 2] + 1):
             for column in range(box[t, 1], box[t, 3] + 1):
                 i, j = 2 * column + 1 - width, height - 1 - 2 * row
-                verdict, nearest, _ = round_at(surd[t], extent[t], offset[t], slope[t], i, j)
+                verdict, nearest, _ = round_at(curved, t, i, j)
                 if verdict > 0 and nearest <= reach[row, column]:
                     if len(piece) > 0:
                         piece[slot[row, column]], sure[slot[row, column]] = number + t, verdict == 2

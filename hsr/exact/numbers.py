@@ -59,6 +59,11 @@ def integers(values: Floats) -> Array:
     return np.asarray((mantissa >> zeros).astype(object) << shift.astype(object), dtype=object)
 
 
+def points(places: Floats) -> Array:
+    """Return integers (n, 4) in the proportions of points (n, 3) and 1: homogeneous coordinates."""
+    return integers(np.column_stack([places, np.ones(len(places))]))
+
+
 def inverse(matrix: Array) -> Array:
     """Return a positive multiple of the inverse of a 4 x 4 matrix of integers, in integers.
 

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hsr.base.arrays import Array, Floats, Ints
+from hsr.base.arrays import Array, Floats, Ints, ranges
 from hsr.exact.decide import Answer
 from hsr.exact.depths import depths_of
 from hsr.exact.filter import Candidates, candidates, round_tables
 from hsr.exact.problem import Problem, problem_of
-from hsr.exact.ties import Verdicts, entries, firsts, settle
+from hsr.exact.ties import Verdicts, firsts, settle
 from hsr.problem.map import BACKGROUND, Admissible
 from hsr.problem.view import View
 
@@ -128,7 +128,7 @@ def admissible_of(verdicts: Iterable[Verdicts]) -> Admissible:
         start = np.cumsum([0, *(len(faces) for _, faces in verdict.answers)])
         listed = np.array([face for _, faces in verdict.answers for face in sorted(faces)], dtype=np.int64)
         tied = np.flatnonzero(np.diff(start)[verdict.answer] > 1)
-        entry, which = entries(start, verdict.answer[tied])
+        which, entry = ranges(start[verdict.answer[tied]], start[verdict.answer[tied] + 1])
         parts.append(np.stack([verdict.sample[tied][which], listed[entry]]))
     sample, face = np.concatenate(parts, axis=1)
     order = np.argsort(sample, kind="stable")

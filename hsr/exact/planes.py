@@ -13,7 +13,7 @@ det zeta: an affine function of the sample as well.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import gcd
 
@@ -21,8 +21,8 @@ import numpy as np
 
 from hsr.base.arrays import Array, Bools, Floats, Ints
 from hsr.exact.decide import Piece
-from hsr.exact.germs import NOTHING, Surd, affine, constant
-from hsr.exact.numbers import Frame, integers
+from hsr.exact.infinitesimals import NOTHING, Surd, affine, constant
+from hsr.exact.numbers import Frame, points
 from hsr.problem.view import Placement, View
 from hsr.scene.shapes import Polygons
 
@@ -90,24 +90,17 @@ def triangles_of(view: View, frame: Frame) -> Triangles:
         polygons = placement.shape.polygons
         if polygons is not None:
             if id(polygons) not in vertices:
-                vertices[id(polygons)] = integers(_homogeneous(polygons.vertices))
+                vertices[id(polygons)] = points(polygons.vertices)
             corners = vertices[id(polygons)] @ frame.placed(placement.world_from_object).T
             parts.append(_placed(view, frame, placement, polygons, corners))
-    return Triangles(*(np.concatenate(arrays) for arrays in zip(*map(_fields, parts), strict=True)))
-
-
-def _fields(part: Triangles) -> Iterator[Array]:
-    yield from (part.half, part.zeta, part.det, part.face, part.box)
+    fields = zip(*(vars(part).values() for part in parts), strict=True)
+    return Triangles(*map(np.concatenate, fields))
 
 
 def _none() -> Triangles:
     empty = np.zeros(0, dtype=object)
     no_int = np.zeros(0, np.int32)
     return Triangles(empty.reshape(0, HALVES, 3), empty.reshape(0, 3), empty, no_int, no_int.reshape(0, 4))
-
-
-def _homogeneous(points: Floats) -> Floats:
-    return np.column_stack([points, np.ones(len(points))])
 
 
 def _placed(view: View, frame: Frame, placement: Placement, polygons: Polygons, corners: Array) -> Triangles:

@@ -21,7 +21,7 @@ import numpy as np
 
 from hsr.base.arrays import Array, Ints
 from hsr.exact.decide import Form, Piece
-from hsr.exact.germs import NOTHING, I, J, Polynomial, Surd, affine, coefficients, constant
+from hsr.exact.infinitesimals import NOTHING, I, J, Polynomial, Surd, affine, coefficients, constant
 from hsr.exact.numbers import Frame, integers, inverse
 from hsr.exact.planes import BACK, FRONT, boxes, plane_name
 from hsr.problem.view import Placement, View

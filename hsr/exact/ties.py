@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hsr.base.arrays import Array, Bools, Floats, Ints
+from hsr.base.arrays import Array, Bools, Floats, Ints, ranges
 from hsr.exact.decide import Answer, decide
 from hsr.exact.filter import Candidates
 from hsr.exact.planes import HALVES
@@ -51,7 +51,7 @@ def settle(problem: Problem, found: Candidates, unsettled: Array) -> Iterator[Ve
     unsettled : (n,) int64
         The samples to decide, ascending.
     """
-    entry, which = entries(found.start, unsettled)
+    which, entry = ranges(found.start[unsettled], found.start[unsettled + 1])
     sample, piece, sure = unsettled[which], found.piece[entry], found.sure[entry]
     curved = np.zeros(len(found.start) - 1, dtype=np.bool_)
     curved[sample[piece >= len(problem.triangles)]] = True
@@ -60,13 +60,6 @@ def settle(problem: Problem, found: Candidates, unsettled: Array) -> Iterator[Ve
         yield from _settle_flat(problem, sample[flat], piece[flat], sure[flat])
     if not flat.all():
         yield _settle_curved(problem, sample[~flat], piece[~flat], sure[~flat])
-
-
-def entries(start: Array, rows: Array) -> tuple[Array, Array]:
-    """Return the entries of some rows of a list of lists, and which of these rows each is of."""
-    count = np.diff(start)[rows]
-    entry = np.repeat(start[rows] - (np.cumsum(count) - count), count) + np.arange(count.sum())
-    return entry, np.repeat(np.arange(len(rows)), count)
 
 
 def firsts(sample: Array) -> Array:

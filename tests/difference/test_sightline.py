@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 from typing import Any
 
@@ -9,10 +10,10 @@ import numpy as np
 import pytest
 
 from hsr.base.errors import ViewError
-from hsr.difference.near import check_sample, nearby
-from hsr.difference.sightline import _form_distance, sight, sights
+from hsr.difference.nearby import check_sample, nearby
+from hsr.difference.sightline import _form_distance, pixels_to_zero, sight, sights
 from hsr.exact.decide import Piece
-from hsr.exact.germs import NOTHING, I, J, Surd, constant
+from hsr.exact.infinitesimals import NOTHING, I, J, Surd, constant
 from hsr.exact.oracle import truth
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import View, view
@@ -177,6 +178,15 @@ def test_distances_to_a_form_are_those_of_its_gradient() -> None:
     # sqrt(i^2 + j^2) - 6 is -1, and its gradient 1 long.
     root = Piece(0, (), Surd(NOTHING, constant(1), I * I + J * J, constant(1)))
     assert _form_distance(root, (constant(-6), constant(1)), 3, 4) == pytest.approx(-0.5)
+
+
+@pytest.mark.parametrize(
+    ("value", "square", "distance"),
+    [(-6, 9, -1.0), (0, 0, math.inf), (-1, 0, -math.inf), (2**600, 9, math.inf), (-(2**600), 9, -math.inf)],
+    ids=["near", "flat, zero", "flat, below zero", "far", "far below zero"],
+)
+def test_values_far_from_zero_are_infinitely_far(value: int, square: int, distance: float) -> None:
+    assert pixels_to_zero(value, square) == distance
 
 
 def test_an_empty_line_of_sight(make_scene: Any) -> None:

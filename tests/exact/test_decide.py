@@ -8,7 +8,7 @@ from math import atan2
 import pytest
 
 from hsr.exact.decide import Piece, between, decide, directions, tangents
-from hsr.exact.germs import NOTHING, I, J, Polynomial, Surd, affine, constant
+from hsr.exact.infinitesimals import NOTHING, I, J, Polynomial, Surd, affine, constant
 
 
 def plane(face: int, zeta: Polynomial, *extent: Polynomial) -> Piece:

@@ -19,7 +19,7 @@ from hsr.exact.filter import (
     narrowed,
     round_tables,
 )
-from hsr.exact.germs import beside
+from hsr.exact.infinitesimals import beside
 from hsr.exact.oracle import settled_by_filter
 from hsr.exact.problem import problem_of
 from tests.exact.hard import CURVED, PLANAR, hard_view, loose_view

@@ -7,8 +7,8 @@ from math import isqrt
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hsr.exact.germs import (
-    GERMS,
+from hsr.exact.infinitesimals import (
+    INFINITESIMALS,
     D,
     E,
     I,
@@ -48,7 +48,7 @@ def test_the_limit_is_from_the_right_and_below() -> None:
 
 
 def number(value: int):
-    return GERMS.constant(value)
+    return INFINITESIMALS.constant(value)
 
 
 def exact_sign(u: int, v: int, r: int, w: int = 0, s: int = 0) -> int:

@@ -6,11 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hsr.base.arrays import Array, Ints
+from hsr.base.arrays import Array, Ints, ranges
 from hsr.base.errors import ViewError
-from hsr.exact.margins import REACH
 from hsr.problem.view import Placement, View
 from hsr.scene.shapes import Kind, Polygons, Shape
+
+REACH = 1.0
+"""Pixels by which a sample may miss a face that is still near it."""
 
 ROUNDING = 2.0**-49
 """Bound of the relative error of a screen coordinate in :func:`_boxes`, 16 u with u = 2^-53.
@@ -144,16 +146,3 @@ def _in_boxes(box: Array, samples: Array, width: int) -> tuple[Array, Array]:
     last = np.searchsorted(samples, begin + box[which, 3], side="right")
     span, place = ranges(first, last)
     return which[span], samples[place]
-
-
-def ranges(first: Array, end: Array) -> tuple[Array, Array]:
-    """Count from each of ``first`` (n,) up to before its ``end``, if that is more.
-
-    Returns
-    -------
-    which, number : (m,) int64
-        Which range each number is of, and the number.
-    """
-    count = np.maximum(end - first, 0)
-    which = np.repeat(np.arange(len(count)), count)
-    return which, np.arange(len(which)) + np.repeat(first - (np.cumsum(count) - count), count)

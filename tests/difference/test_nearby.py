@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hsr.difference.near import nearby, ranges
+from hsr.difference.nearby import nearby
 from hsr.problem.view import View, view
 
 THINGS: list[dict[str, Any]] = [
@@ -64,8 +64,3 @@ def test_a_sample_has_the_same_faces_with_others_and_alone(make_scene: Any) -> N
         alone = nearby(seen, np.array([sample]))
         faces = together.origin[together.face[together.sample == sample]]
         assert faces.tolist() == alone.origin[alone.face].tolist()
-
-
-def test_ranges_are_counted_one_after_the_other() -> None:
-    which, number = ranges(np.array([3, 5, 0]), np.array([5, 4, 1]))
-    assert (which.tolist(), number.tolist()) == ([0, 0, 2], [3, 4, 0])

@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hsr.exact.doubled import Number, add, at, bits, quotient, root, split, times
+from hsr.exact.double_double import Number, add, at, bits, quotient, root, split, times
 
 parts = st.floats(1e-30, 1e30) | st.floats(-1e30, -1e30 / 3) | st.just(0.0)
 numbers = st.tuples(parts, st.floats(-1.0, 1.0), st.floats(0.0, 1e-3)).map(

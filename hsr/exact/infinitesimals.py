@@ -24,18 +24,18 @@ from hsr.base.arrays import Array
 Polynomial = Any
 """An ``fmpz_mpoly``: a polynomial with integer coefficients."""
 
-GERMS = fmpz_mpoly_ctx.get(("d", "e", "t"), Ordering.lex)
+INFINITESIMALS = fmpz_mpoly_ctx.get(("d", "e", "t"), Ordering.lex)
 """Polynomials in the infinitesimals, 0 < d << e << t << 1."""
 
 IMAGE = fmpz_mpoly_ctx.get(("i", "j"), Ordering.lex)
 """Polynomials in the coordinates of a sample."""
 
 I, J = IMAGE.gens()  # noqa: E741
-D, E, T = GERMS.gens()
+D, E, T = INFINITESIMALS.gens()
 NOTHING = IMAGE.constant(0)
 
 Spot = tuple[Polynomial, Polynomial]
-"""Where polynomials in i and j are evaluated: two germs."""
+"""Where polynomials in i and j are evaluated: each a number and infinitesimals."""
 
 
 def beside(i: int, j: int, toward: tuple[int, int] = (0, 0)) -> Spot:
@@ -63,14 +63,14 @@ def coefficients(polynomial: Polynomial) -> Array:
 
 def at(polynomial: Polynomial, spot: Spot) -> Polynomial:
     """Evaluate a polynomial in i and j."""
-    return polynomial.compose(*spot, ctx=GERMS)
+    return polynomial.compose(*spot, ctx=INFINITESIMALS)
 
 
-def sign(germ: Polynomial) -> int:
-    """Return -1, 0 or 1; 0 only if the germ vanishes in a whole neighbourhood."""
-    if germ.is_zero():
+def sign(value: Polynomial) -> int:
+    """Return -1, 0 or 1; 0 only if the value vanishes in a whole neighbourhood."""
+    if value.is_zero():
         return 0
-    return 1 if germ.coeffs()[-1] > 0 else -1
+    return 1 if value.coeffs()[-1] > 0 else -1
 
 
 @dataclass(frozen=True)
