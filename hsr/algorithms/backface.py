@@ -21,8 +21,8 @@ from hsr.base.arrays import Array, Floats
 from hsr.base.errors import MethodError
 from hsr.kernels.clipping import clip_polygons, view_volume
 from hsr.kernels.culling import CULL_BACK, CULL_BOTH, facing_by_determinant, facing_by_normal, facing_in_ndc
+from hsr.kernels.depth_buffer import ALWAYS
 from hsr.kernels.projection import clip_rows, to_clip
-from hsr.kernels.scanline import ALWAYS
 from hsr.problem.map import Clock, VisibilityMap
 from hsr.problem.view import View
 
@@ -108,4 +108,4 @@ def _facing(view: View, clip: Floats, form: str) -> Floats:
 
 def _paint(view: View, clip: Floats, chosen: Array) -> tuple[Array, Floats, dict[str, int]]:
     cull = np.where(chosen, 0, CULL_BOTH).astype(np.int8)
-    return scanline.scan_polygons(view, clip, cull, PAINT, ALWAYS)[:3]
+    return scanline.scan_polygons(view, view.polygons, clip, cull, PAINT, ALWAYS)[:3]

@@ -9,18 +9,18 @@ farthest corners need not tell the right one where there is one.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from hsr.algorithms import scanline
 from hsr.algorithms.backface import PAINT
 from hsr.base.arrays import Floats, Ints
+from hsr.kernels.depth_buffer import ALWAYS
 from hsr.kernels.projection import clip_rows, to_clip
-from hsr.kernels.scanline import ALWAYS
 from hsr.problem.map import Clock, VisibilityMap
-from hsr.problem.view import Placement, View, WorldPolygons
-from hsr.scene.shapes import Kind, Polygons, Shape
+from hsr.problem.view import View
+from hsr.scene.shapes import Polygons
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ def render(view: View, options: Options) -> VisibilityMap:  # noqa: ARG001
         order = back_to_front(clip, polygons)
     with clock("render"):
         face, depth, _, _ = scanline.scan_polygons(
-            _in_order(view, polygons, order), clip, polygons.cull[order], PAINT, ALWAYS
+            view, _in_order(polygons, order), clip, polygons.cull[order], PAINT, ALWAYS
         )
     return VisibilityMap(face, depth, "painter", {"polygons": len(polygons)}, clock.seconds)
 
@@ -69,15 +69,9 @@ def back_to_front(clip: Floats, polygons: Polygons) -> Ints:
     return np.argsort(-farthest, kind="stable").astype(np.int32)
 
 
-def _in_order(view: View, polygons: WorldPolygons, order: Ints) -> View:
-    """Return a view of the same polygons in another order."""
-    loops = [polygons.corner[polygons.start[k] : polygons.start[k + 1]] for k in order]
-    sorted_polygons = Polygons(
-        polygons.vertices,
-        np.concatenate(loops),
-        np.cumsum([0, *map(len, loops)]).astype(np.int32),
-        polygons.face[order],
-    )
-    shape = Shape(Kind.MESH, "mesh", sorted_polygons)
-    everything = Placement("", shape, np.eye(4), 0, 0, False, (0.0, 0.0, 0.0))
-    return replace(view, placements=(everything,))
+def _in_order(polygons: Polygons, order: Ints) -> Polygons:
+    """Return the same polygons in another order."""
+    sides = np.diff(polygons.start)[order]
+    start = np.concatenate([[0], np.cumsum(sides)]).astype(np.int32)
+    place = np.arange(start[-1]) + np.repeat(polygons.start[:-1][order] - start[:-1], sides)
+    return Polygons(polygons.vertices, polygons.corner[place], start, polygons.face[order])

@@ -7,8 +7,8 @@ between equal depths; the limit rule that decides ties exactly is not applied.
 
 A face of more than three corners is one polygon here, and taken to be planar and convex up to rounding.
 
-All variants are one kernel. Most differ in what it is given: corners on a grid, a picture upside down,
-another function of depth (:mod:`hsr.algorithms.prepare.depth_formats`).
+Most variants differ in what the kernel is given: corners on a grid, a picture upside down, another function
+of depth (:mod:`hsr.algorithms.prepare.depth_formats`).
 """
 
 from __future__ import annotations
@@ -22,25 +22,27 @@ import numpy as np
 from hsr.algorithms.prepare.depth_formats import FORMATS, Depths, Real, depths_of
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.errors import MethodError
-from hsr.kernels import scanline
 from hsr.kernels.clipping import clip_polygons, view_volume
 from hsr.kernels.culling import CULL_BACK, CULL_BOTH, CULL_FRONT
+from hsr.kernels.depth_buffer import FRAGMENTS, LESS, LESS_EQUAL, PASSED, SCAN_LINES, SPANS
+from hsr.kernels.polygon_table import FATE, polygon_table
 from hsr.kernels.projection import clip_rows, to_clip, to_screen
+from hsr.kernels.strips import scan_convert
 from hsr.kernels.threads import threads_apart
 from hsr.problem.map import Clock, VisibilityMap
 from hsr.problem.view import View
+from hsr.scene.shapes import Polygons
 
-STEPPING = {"incremental": scanline.INCREMENTAL, "direct": scanline.DIRECT}
 ARITHMETIC: dict[str, Real] = {"float64": np.float64, "float32": np.float32, "fixed": np.float64}
 FILL_RULES = {"top-left": False, "bottom-left": True}
 """Whether the picture is scan converted upside down."""
-TESTS = {"less": scanline.LESS, "less-equal": scanline.LESS_EQUAL}
+TESTS = {"less": LESS, "less-equal": LESS_EQUAL}
 
 GUARD_BITS = 24
 """The most there are: a depth of 24 + 24 bits leaves room below ``2**53`` for what lies outside [0, 1]."""
 
 CHOICES: dict[str, Collection[Any]] = {
-    "stepping": STEPPING,
+    "stepping": ("incremental", "direct"),
     "arithmetic": ARITHMETIC,
     "guard_bits": range(GUARD_BITS + 1),
     "subpixel_bits": (None, 4, 8, 12),
@@ -49,6 +51,9 @@ CHOICES: dict[str, Collection[Any]] = {
     "depth_test": TESTS,
 }
 """What each option may be."""
+
+FATES = ("clipped_away", "missed", "edge_on", "culled", "set_up")
+"""What became of polygons, in the order of the kernels."""
 
 MIRRORED = np.array([1.0, -1.0, 1.0])
 """Turns clip space upside down; negating a number is exact."""
@@ -123,9 +128,9 @@ class Options:
             raise MethodError(f"scanline: {self.arithmetic} has no guard bits; choose the arithmetic fixed")
 
     @property
-    def mode(self) -> int:
-        """How the kernel is to step."""
-        return scanline.FIXED if self.arithmetic == "fixed" else STEPPING[self.stepping]
+    def directly(self) -> bool:
+        """Whether sides and depths are evaluated anew."""
+        return self.stepping == "direct"
 
     @property
     def upside_down(self) -> bool:
@@ -163,29 +168,31 @@ def render(view: View, options: Options) -> VisibilityMap:
     with clock("render"), threads_apart():
         clip = to_clip(polygons.vertices, clip_rows(view.clip_from_world, view.depth_row))
         face, depth, work, depths = scan_polygons(
-            view, clip, polygons.cull, options, TESTS[options.depth_test]
+            view, polygons, clip, polygons.cull, options, TESTS[options.depth_test]
         )
     stored = depths.note(ARITHMETIC[options.arithmetic])
     return VisibilityMap(face, depth, "scanline", work, clock.seconds, {"depth_format": stored})
 
 
 def scan_polygons(
-    view: View, clip: Floats, cull: Array, options: Options, test: int
+    view: View, polygons: Polygons, clip: Floats, cull: Array, options: Options, test: int
 ) -> tuple[Ints, Floats, dict[str, int], Depths]:
-    """Take the polygons of a view from clip space to the buffers.
+    """Take polygons from clip space to the buffers.
 
     Parameters
     ----------
     view : View
-        Without curved shapes.
+        For its camera and size.
+    polygons : Polygons
+        In the order in which they are drawn.
     clip : (V, 3) float64
-        The vertices of ``view.polygons`` in clip space.
+        Their vertices in clip space.
     cull : (P,) int8
         What not to draw: 0 nothing, 1 back faces, 2 front faces, 3 both.
     options : Options
         Its depth test is not heeded.
     test : int
-        The depth test, see :class:`hsr.kernels.scanline.Form`.
+        The depth test, see :class:`hsr.kernels.depth_buffer.Form`.
 
     Returns
     -------
@@ -195,21 +202,21 @@ def scan_polygons(
     depths : Depths
         The depth format in this view.
     """
-    polygons, size = view.polygons, (view.width, view.height)
+    size = (view.width, view.height)
     planes = view_volume(view.near, view.far, view.perspective)
     points, corner, start = clip_polygons(clip, polygons.corner, polygons.start, planes)
     depths = depths_in(view, points, corner, options)
     screen = screen_of(view, points, depths, options)
-    slope, table = scanline.polygon_table(
-        screen, corner, start, polygons.face, cull_on_screen(cull, options), size
-    )
-    z, face, counts = scanline.scan_convert(
-        screen, corner, slope, table, size, options.mode, options.count, depths.held, depths.form(test)
+    plane, table = polygon_table(screen, corner, start, polygons.face, cull_on_screen(cull, options), size)
+    z, face, counts = scan_convert(
+        screen, corner, plane, table, size, options.directly, options.count, depths.held, depths.form(test)
     )
     work = {"polygons": len(polygons), "buffer_bytes": z.nbytes + face.nbytes}
     if counts is not None:
         cut = _cut_polygons(corner, start, len(clip))
-        work |= {"cut": cut} | _fates(table) | _counts(counts, int(np.count_nonzero(face >= 0)))
+        fates = np.bincount(table[:, FATE], minlength=len(FATES)).tolist()
+        work |= {"cut": cut} | dict(zip(FATES, fates, strict=True))
+        work |= _counts(counts, int(np.count_nonzero(face >= 0)))
     depth = depths.distance(z, face)
     return upright(face, options), upright(depth, options), work, depths
 
@@ -255,22 +262,11 @@ def _cut_polygons(corner: Ints, start: Ints, vertices: int) -> int:
     return int(np.count_nonzero(corner[start[:-1][whole]] >= vertices))
 
 
-def _fates(table: Ints) -> dict[str, int]:
-    fate = np.bincount(table[:, scanline.FATE], minlength=5)
-    return {
-        "clipped_away": int(fate[scanline.CLIPPED]),
-        "missed": int(fate[scanline.MISSED]),
-        "edge_on": int(fate[scanline.EDGE_ON]),
-        "culled": int(fate[scanline.CULLED]),
-        "set_up": int(fate[scanline.DRAWN]),
-    }
-
-
 def _counts(counts: Array, covered: int) -> dict[str, int]:
-    fragments, passed = int(counts[scanline.FRAGMENTS]), int(counts[scanline.PASSED])
+    fragments, passed = int(counts[FRAGMENTS]), int(counts[PASSED])
     return {
-        "scan_lines": int(counts[scanline.SCAN_LINES]),
-        "spans": int(counts[scanline.SPANS]),
+        "scan_lines": int(counts[SCAN_LINES]),
+        "spans": int(counts[SPANS]),
         "fragments": fragments,
         "depth_passed": passed,
         "depth_failed": fragments - passed,

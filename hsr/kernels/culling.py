@@ -1,6 +1,6 @@
 """Which side of a convex polygon faces the eye: three forms of one test.
 
-All work on clip space, the camera's frame scaled to the view (:mod:`hsr.kernels.projection`), and on
+All work on clip space, the camera's space scaled to the view (:mod:`hsr.kernels.projection`), and on
 polygons whose corners run counter-clockwise when seen from the front. Each returns one number a
 polygon: positive for a front face, negative for a back face, 0 for a face seen edge-on. In exact
 arithmetic the three signs agree; these are plain float64, so the sign of a face that is edge-on to
@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hsr.base.arrays import Floats, Ints
+from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.jit import jit, parallel_jit, prange
 
 CULL_BACK, CULL_FRONT, CULL_BOTH = 1, 2, 3
@@ -25,7 +25,7 @@ CULL_BACK, CULL_FRONT, CULL_BOTH = 1, 2, 3
 def facing_by_normal(clip: Floats, corner: Ints, start: Ints, perspective: bool) -> Floats:
     """Test ``V . N >= 0`` for back faces, V running from the eye to the face.
 
-    In the right-handed camera frame (x, y, -d) a face lies in the plane ``A x + B y + C z + D = 0``
+    In the right-handed camera space (x, y, -d) a face lies in the plane ``A x + B y + C z + D = 0``
     with N = (A, B, C) outward. Under perspective the eye is the origin, so that for a point V of
     the face ``V . N = -D``: back faces have ``D <= 0``. For a parallel view V is (0, 0, -1) and
     ``V . N = -C``: back faces have ``C <= 0`` (Hearn & Baker, *Computer Graphics*, section on
@@ -57,12 +57,19 @@ def _facing_by_normal(clip: Floats, corner: Ints, start: Ints, perspective: bool
 
 
 @jit
-def newell(clip: Floats, corner: Ints) -> tuple[float, float, float]:
-    """Return the normal (A, B, C) of a polygon in the frame (x, y, -d), as long as twice its area."""
-    a, b, c = 0.0, 0.0, 0.0
-    first = clip[corner[0]]
+def newell(points: Array, corner: Ints) -> tuple[float, float, float]:
+    """Return the normal (A, B, C) of a polygon in the space (x, y, -d), as long as twice its area.
+
+    Parameters
+    ----------
+    points : (V, 3) float64 or float32
+        (x, y, d), d growing away from the eye. The type is that of the arithmetic.
+    corner : (n,) int32
+    """
+    a = b = c = points.dtype.type(0.0)
+    first = points[corner[0]]
     for k in range(1, len(corner) - 1):
-        p, q = clip[corner[k]], clip[corner[k + 1]]
+        p, q = points[corner[k]], points[corner[k + 1]]
         px, py, pz = p[0] - first[0], p[1] - first[1], first[2] - p[2]
         qx, qy, qz = q[0] - first[0], q[1] - first[1], first[2] - q[2]
         a += py * qz - pz * qy

@@ -1,18 +1,25 @@
-"""Strips of scan lines: how the polygons of an image are shared out among threads.
+"""Scan conversion on all threads: the scan lines are shared out in strips.
 
 A strip is the piece of work of one thread. Each strip gets the list of the polygons that cross it, in
-their order, so the picture does not depend on the number of threads.
+their order, and walks the edge of a polygon from its own top (or that of the image): so the strips leave no
+trace in the picture, and neither does the number of threads.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from hsr.base.arrays import Array, Ints
-from hsr.base.jit import parallel_jit, prange
+from hsr.base.jit import jit, parallel_jit, prange
+from hsr.kernels.depth_buffer import Form, farthest
+from hsr.kernels.polygon_table import END_LINE, FIRST_LINE
+from hsr.kernels.scanline import scan_polygon
+from hsr.kernels.scanline_direct import scan_polygon_directly
 
 STRIP = 64
-"""Scan lines in a strip, the piece of work of one thread."""
+"""Scan lines in a strip."""
 
 CHUNKS = 16
 """Parts in which the polygon table is dealt out to the strips, whatever the number of threads."""
@@ -20,8 +27,94 @@ CHUNKS = 16
 GOLDEN = 0.6180339887498949
 """Its multiples, modulo 1, cut [0, 1) evenly however many there are."""
 
-FIRST_LINE, END_LINE = 0, 1
-"""Columns of a polygon table: its first scan line and the one after its last."""
+
+def scan_convert(
+    screen: Array,
+    corner: Ints,
+    plane: Array,
+    table: Ints,
+    size: tuple[int, int],
+    directly: bool,
+    count: bool = False,
+    held: type[Any] | None = None,
+    form: Form | None = None,
+) -> tuple[Array, Ints, Array | None]:
+    """Scan convert the polygons of a table into a fresh depth buffer.
+
+    Parameters
+    ----------
+    screen, corner, plane, table
+        See :func:`hsr.kernels.polygon_table.polygon_table`. The type of ``screen`` is that of all arithmetic.
+    size : (width, height)
+    directly : bool
+        Whether sides and depths are evaluated anew, or carried on by increments.
+    count : bool
+        Whether to count the work, in a kernel compiled for that.
+    held : type, optional
+        Of the depth buffer; that of ``screen`` by default.
+    form : Form, optional
+        A strict test of what floats hold of z by default, in a kernel compiled for that.
+
+    Returns
+    -------
+    z : (H, W) of the type held
+    owner : (H, W) int32
+        Face of each sample, -1 where there is none.
+    counts : (4,) int64 or None
+        Columns SCAN_LINES to PASSED.
+    """
+    width, height = size
+    buffers = np.empty((height, width), held or screen.dtype), np.empty((height, width), np.int32)
+    polygon, strips = deal_to_strips(table, height)
+    counts = np.zeros((len(strips), 4), np.int64) if count else None
+    straight = True if directly else None
+    _scan_convert(screen, corner, plane, table, polygon, strips, straight, buffers, form, counts)
+    return *buffers, None if counts is None else counts.sum(axis=0)
+
+
+@parallel_jit
+def _scan_convert(
+    screen: Array,
+    corner: Ints,
+    plane: Array,
+    table: Ints,
+    polygon: Ints,
+    strips: Array,
+    directly: bool | None,
+    buffers: tuple[Array, Ints],
+    form: Form | None,
+    counts: Array | None,
+) -> None:
+    for k in prange(len(strips)):
+        listed = polygon[strips[k, 1] : strips[k, 2]]
+        own = None if counts is None else counts[k]
+        _scan_strip(screen, corner, plane, table, listed, strips[k, 0], directly, buffers, form, own)
+
+
+@jit
+def _scan_strip(
+    screen: Array,
+    corner: Ints,
+    plane: Array,
+    table: Ints,
+    listed: Ints,
+    strip: int,
+    directly: bool | None,
+    buffers: tuple[Array, Ints],
+    form: Form | None,
+    counts: Array | None,
+) -> None:
+    """Scan convert the listed polygons within one strip; only one of the ways is compiled."""
+    z, owner = buffers
+    start, end = strip * STRIP, (strip + 1) * STRIP
+    z[start:end] = farthest(form)
+    owner[start:end] = -1
+    for i in listed:
+        lines = max(table[i, FIRST_LINE], start), min(table[i, END_LINE], end)
+        if directly is None:
+            scan_polygon(screen, corner, plane[i], table[i], lines, buffers, form, counts)
+        else:
+            scan_polygon_directly(screen, corner, plane[i], table[i], lines, buffers, form, counts)
 
 
 def deal_to_strips(table: Ints, height: int) -> tuple[Ints, Array]:

@@ -42,9 +42,10 @@ from hsr.algorithms.scanline import (
     upright,
 )
 from hsr.base.arrays import Array, Floats, Ints
-from hsr.kernels import scanline
 from hsr.kernels.clipping import clip_polygons, view_volume
+from hsr.kernels.polygon_table import polygon_table
 from hsr.kernels.projection import clip_rows, to_clip
+from hsr.kernels.strips import scan_convert
 from hsr.models.rounded import (
     of_polygons,
     seen_along_third,
@@ -233,9 +234,9 @@ def _drawn(view: View, polygons: WorldPolygons, layers: list[list[int]], options
     """Scan convert each layer by itself, and yield which polygon (H, W) is drawn at each sample."""
     number, size = np.arange(len(polygons), dtype=np.int32), (view.width, view.height)
     screen, corner, cull = polygons.vertices, polygons.corner, cull_on_screen(polygons.cull, options)
-    slope, table = scanline.polygon_table(screen, corner, polygons.start, number, cull, size)
+    plane, table = polygon_table(screen, corner, polygons.start, number, cull, size)
     for layer in layers:
-        yield scanline.scan_convert(screen, corner, slope[layer], table[layer], size, options.mode, False)[1]
+        yield scan_convert(screen, corner, plane[layer], table[layer], size, options.directly)[1]
 
 
 def _plane(polygons: WorldPolygons, i: int) -> tuple[Fraction, Fraction, Fraction]:
@@ -263,9 +264,9 @@ def depth_arithmetic(view: View, options: Options, samples: Array) -> Ints:
     view, samples = view.tessellated(), _scanned(view, options, samples)
     polygons, size = on_screen(view, options), (view.width, view.height)
     screen, corner, cull = polygons.vertices, polygons.corner, cull_on_screen(polygons.cull, options)
-    slope, table = scanline.polygon_table(screen, corner, polygons.start, polygons.face, cull, size)
-    form = unrounded(TESTS[options.depth_test])
-    face = scanline.scan_convert(screen, corner, slope, table, size, options.mode, False, form=form)[1]
+    plane, table = polygon_table(screen, corner, polygons.start, polygons.face, cull, size)
+    form = unrounded(TESTS[options.depth_test], options.arithmetic == "fixed")
+    face = scan_convert(screen, corner, plane, table, size, options.directly, form=form)[1]
     return np.asarray(face.ravel()[samples])
 
 

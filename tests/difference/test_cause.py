@@ -17,7 +17,7 @@ from hsr.algorithms.prepare import ray_tiles
 from hsr.algorithms.registry import BUILT_IN, method_named
 from hsr.base.errors import MapError, MethodError
 from hsr.difference.cause import Causes, causes
-from hsr.kernels import hierarchy, scanline
+from hsr.kernels import hierarchy
 from hsr.models import scanline as models
 from hsr.models.stages import Cause
 from hsr.problem.map import VisibilityMap
@@ -84,12 +84,13 @@ def test_the_fill_rule_is_named(truth: VisibilityMap, monkeypatch: pytest.Monkey
     """The pixel corner in place of the pixel centre, for all polygons alike."""
     shift = np.array([0.5, 0.5, 0.0])
     for name in ("polygon_table", "scan_convert"):
-        honest = getattr(scanline, name)
+        honest = getattr(algorithm, name)
 
         def shifted(screen: Any, *given: Any, honest: Any = honest, **more: Any) -> Any:
             return honest(screen + shift, *given, **more)
 
-        monkeypatch.setattr(scanline, name, shifted)
+        for module in (algorithm, models):
+            monkeypatch.setattr(module, name, shifted)
     found = named(soup(), "scanline", truth)
     assert set(found.counts) <= {"fill rule", "depth arithmetic"}
     assert found.counts["fill rule"] > 0.9 * found.wrong > 0
@@ -97,13 +98,8 @@ def test_the_fill_rule_is_named(truth: VisibilityMap, monkeypatch: pytest.Monkey
 
 def test_depth_arithmetic_is_named(truth: VisibilityMap, monkeypatch: pytest.MonkeyPatch) -> None:
     """Slopes of depth that are off: planes turn about their topmost corners."""
-    honest = scanline.polygon_table
-
-    def steeper(*given: Any) -> Any:
-        slope, table = honest(*given)
-        return 1.5 * slope, table
-
-    monkeypatch.setattr(scanline, "polygon_table", steeper)
+    steeper = np.array([1.5, 1.5, 1.0])
+    in_both(monkeypatch, "polygon_table", lambda found: (steeper * found[0], found[1]))
     found = named(soup(), "scanline", truth)
     assert found.counts == {"depth arithmetic": found.wrong} and found.wrong > 0
 

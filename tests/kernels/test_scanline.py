@@ -10,19 +10,15 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from hsr.kernels import scanline
+from hsr.kernels import depth_buffer, polygon_table, strips
 from hsr.kernels.culling import CULL_BACK, CULL_BOTH, CULL_FRONT
-from hsr.kernels.scanline import (
-    ALWAYS,
-    DIRECT,
-    FIXED,
-    INCREMENTAL,
-    LESS_EQUAL,
-    Form,
-)
+from hsr.kernels.depth_buffer import ALWAYS, LESS_EQUAL, Form
+from hsr.kernels.polygon_table import CLIPPED, CULLED, DRAWN, EDGE_ON, MISSED
 
 Loop = Sequence[tuple[float, float]]
-MODES = [DIRECT, INCREMENTAL]
+MODES = [True, False]
+"""Directly, or by increments."""
+
 REALS = [np.float64, np.float32]
 ULP = 2.0**-52
 
@@ -31,7 +27,7 @@ def draw(
     vertices: Sequence[Sequence[float]],
     loops: Sequence[Sequence[int]],
     size: tuple[int, int],
-    mode: int = INCREMENTAL,
+    directly: bool = False,
     real: type = np.float64,
     cull: int | Sequence[int] = 0,
     held: type | None = None,
@@ -44,10 +40,9 @@ def draw(
     corner = np.array([k for loop in loops for k in loop], np.int32)
     start = np.cumsum([0, *map(len, loops)]).astype(np.int32)
     face = np.arange(len(loops), dtype=np.int32)
-    slope, table = scanline.polygon_table(
-        screen, corner, start, face, np.full(len(loops), cull, np.int8), size
-    )
-    z, owner, counts = scanline.scan_convert(screen, corner, slope, table, size, mode, True, held, form)
+    culls = np.full(len(loops), cull, np.int8)
+    plane, table = polygon_table.polygon_table(screen, corner, start, face, culls, size)
+    z, owner, counts = strips.scan_convert(screen, corner, plane, table, size, directly, True, held, form)
     assert counts is not None
     return z, owner, counts
 
@@ -79,17 +74,17 @@ def covers(loop: Sequence[Sequence[float]], row: int, column: int) -> bool:
 
 
 @pytest.mark.parametrize("real", REALS)
-@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("directly", MODES)
 @pytest.mark.parametrize("flip", [False, True])
-def test_square_with_corners_on_pixel_centres(mode: int, real: type, flip: bool) -> None:
+def test_square_with_corners_on_pixel_centres(directly: bool, real: type, flip: bool) -> None:
     """Left and top edges are inside, right and bottom edges are not."""
     loop = [0, 1, 2, 3]
     corners = [(1.5, 1.5), (4.5, 1.5), (4.5, 3.5), (1.5, 3.5)]
-    _, owner, _ = draw(corners, [loop[::-1] if flip else loop], (6, 5), mode, real)
+    _, owner, _ = draw(corners, [loop[::-1] if flip else loop], (6, 5), directly, real)
     assert picture(owner) == ["......", ".aaa..", ".aaa..", "......", "......"]
 
 
-@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("directly", MODES)
 @pytest.mark.parametrize(
     ("loops", "expected"),
     [
@@ -97,12 +92,12 @@ def test_square_with_corners_on_pixel_centres(mode: int, real: type, flip: bool)
         ([[0, 1, 3], [1, 2, 3]], ["aaab", "aabb", "abbb", "bbbb"]),
     ],
 )
-def test_diagonal_through_pixel_centres(mode: int, loops: list[list[int]], expected: list[str]) -> None:
+def test_diagonal_through_pixel_centres(directly: bool, loops: list[list[int]], expected: list[str]) -> None:
     """The triangle to whose left the diagonal lies owns its samples."""
     corners = [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)]
-    _, owner, counts = draw(corners, loops, (4, 4), mode)
+    _, owner, counts = draw(corners, loops, (4, 4), directly)
     assert picture(owner) == expected
-    assert counts[scanline.FRAGMENTS] == 16
+    assert counts[depth_buffer.FRAGMENTS] == 16
 
 
 @pytest.mark.parametrize("corners", [(1.5, 2.5), (1.5, 2.0), (1.0, 2.5), (1.25, 2.625)])
@@ -112,13 +107,13 @@ def test_fan_around_a_point_covers_once(corners: tuple[float, float], sides: int
     rim = np.stack([corners[0] + 9 * np.cos(angle), corners[1] + 9 * np.sin(angle)], axis=1)
     loops = [[0, 1 + k, 1 + (k + 1) % sides] for k in range(sides)]
     _, owner, counts = draw([corners, *map(tuple, rim)], loops, (4, 4))
-    assert (owner >= 0).all() and counts[scanline.FRAGMENTS] == 16
+    assert (owner >= 0).all() and counts[depth_buffer.FRAGMENTS] == 16
 
 
 @pytest.mark.parametrize("real", REALS)
-@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("directly", MODES)
 @pytest.mark.parametrize("offset", [0.5, 0.25, 0.0, 1 / 3])
-def test_lattice_of_shared_edges_covers_once(mode: int, real: type, offset: float) -> None:
+def test_lattice_of_shared_edges_covers_once(directly: bool, real: type, offset: float) -> None:
     """A mesh of triangles with jittered inner vertices leaves no hole and no double owner."""
     n, step = 8, 3.0
     rng = np.random.default_rng(int(offset * 12))
@@ -131,13 +126,13 @@ def test_lattice_of_shared_edges_covers_once(mode: int, real: type, offset: floa
         for c in range(n - 1):
             a, b, d, e = r * n + c, r * n + c + 1, (r + 1) * n + c, (r + 1) * n + c + 1
             loops += [[a, b, e], [a, e, d]] if rng.random() < 0.5 else [[a, b, d], [b, e, d]]
-    _, owner, counts = draw(vertices.tolist(), loops, (16, 16), mode, real)
-    assert (owner >= 0).all() and counts[scanline.FRAGMENTS] == 16 * 16
+    _, owner, counts = draw(vertices.tolist(), loops, (16, 16), directly, real)
+    assert (owner >= 0).all() and counts[depth_buffer.FRAGMENTS] == 16 * 16
 
 
-@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("directly", MODES)
 @pytest.mark.parametrize("sides", [3, 4, 6])
-def test_coverage_is_that_of_exact_half_planes(mode: int, sides: int) -> None:
+def test_coverage_is_that_of_exact_half_planes(directly: bool, sides: int) -> None:
     """Convex polygons on a grid of 1/4: many samples on edges, slopes that are not exact."""
     rng = np.random.default_rng(sides)
     for _ in range(25):
@@ -145,7 +140,7 @@ def test_coverage_is_that_of_exact_half_planes(mode: int, sides: int) -> None:
         loop = np.stack([4 + 5 * np.cos(angle), 4 + 5 * np.sin(angle)], axis=1)
         if sides == 3:
             loop = np.round(loop * 4) / 4
-        _, owner, _ = draw(loop.tolist(), [list(range(sides))], (8, 8), mode)
+        _, owner, _ = draw(loop.tolist(), [list(range(sides))], (8, 8), directly)
         exact = [[covers(loop.tolist(), r, c) for c in range(8)] for r in range(8)]
         edges_hit = np.argwhere((owner >= 0) != np.array(exact))
         for r, c in edges_hit:  # only where a sample lies on an edge that is walked with rounding
@@ -159,14 +154,14 @@ def on_edge(loop: np.ndarray, row: int, column: int) -> bool:
     return any((bx - ax) * (y - ay) == (by - ay) * (x - ax) for (ax, ay), (bx, by) in pairs)
 
 
-@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("directly", MODES)
 @pytest.mark.parametrize("slant", [0.0, 1e-12, -1e-12, 1e12])
-def test_vertical_and_horizontal_edges(mode: int, slant: float) -> None:
+def test_vertical_and_horizontal_edges(directly: bool, slant: float) -> None:
     if abs(slant) < 1:  # near-vertical left side, moved by less than the sample's distance
         corners = [(1.0, 0.0), (3.0, 0.0), (3.0, 3.0), (1.0 + slant, 3.0)]
     else:  # near-horizontal top side
         corners = [(1.0, 0.0), (3.0, 1 / slant), (3.0, 3.0), (1.0, 3.0)]
-    _, owner, _ = draw(corners, [[0, 1, 2, 3]], (4, 3), mode)
+    _, owner, _ = draw(corners, [[0, 1, 2, 3]], (4, 3), directly)
     assert picture(owner) == [".aa.", ".aa.", ".aa."]
 
 
@@ -225,11 +220,11 @@ def plane(x: float, y: float) -> float:
 
 
 @pytest.mark.parametrize("real", REALS)
-@pytest.mark.parametrize("mode", MODES)
-def test_prestep_to_pixel_centres(mode: int, real: type) -> None:
+@pytest.mark.parametrize("directly", MODES)
+def test_prestep_to_pixel_centres(directly: bool, real: type) -> None:
     """Sides and top off the centres: without the presteps depth would differ from row to row."""
     corners = [(0.25, 0.75), (7.0, 2.0), (1.75, 6.25)]
-    z, owner, _ = draw([(x, y, plane(x, y)) for x, y in corners], [[0, 1, 2]], (8, 8), mode, real)
+    z, owner, _ = draw([(x, y, plane(x, y)) for x, y in corners], [[0, 1, 2]], (8, 8), directly, real)
     rows, columns = np.nonzero(owner >= 0)
     assert len(rows) > 12
     bound = 8 * float(np.finfo(real).eps)
@@ -252,8 +247,9 @@ def test_slopes_are_the_plane_equation(turned: bool) -> None:
         z_y = (dz2 * (bx - ax) - dz1 * (cx - ax)) / area
         screen = np.column_stack([xy, z]).astype(float)[:: -1 if turned else 1].copy()
         args = (np.arange(3, dtype=np.int32), np.array([0, 3], np.int32), np.zeros(1, np.int32))
-        slope, _ = scanline.polygon_table(screen, *args, np.zeros(1, np.int8), (64, 64))
-        assert slope[0] == pytest.approx([float(z_x), float(z_y)], rel=4 * ULP)
+        plane, _ = polygon_table.polygon_table(screen, *args, np.zeros(1, np.int8), (64, 64))
+        A, B, C = plane[0]
+        assert pytest.approx((float(z_x), float(z_y)), rel=4 * ULP) == (-A / C, -B / C)
 
 
 def test_depth_down_a_side_and_along_a_line() -> None:
@@ -270,14 +266,14 @@ def random_triangles(rng: np.random.Generator, count: int, size: int) -> np.ndar
     return np.concatenate([xy, rng.uniform(0.1, 0.9, (count, 3, 1))], axis=2)
 
 
-@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("directly", MODES)
 @pytest.mark.parametrize("seed", range(3))
-def test_nearest_wins_against_brute_force(mode: int, seed: int) -> None:
+def test_nearest_wins_against_brute_force(directly: bool, seed: int) -> None:
     """Every sample against every triangle in fractions."""
     size, count = 10, 12
     triangles = random_triangles(np.random.default_rng(seed), count, size)
     loops = np.arange(3 * count).reshape(count, 3).tolist()
-    z, owner, _ = draw(triangles.reshape(-1, 3).tolist(), loops, (size, size), mode)
+    z, owner, _ = draw(triangles.reshape(-1, 3).tolist(), loops, (size, size), directly)
     for row in range(size):
         for column in range(size):
             depths = {
@@ -305,7 +301,7 @@ def test_of_equal_depths_the_lower_face_stays() -> None:
     square = [(0, 0, 0.5), (4, 0, 0.5), (4, 4, 0.5), (0, 4, 0.5)]
     _, owner, counts = draw(square, [[0, 1, 2, 3], [3, 2, 1, 0]], (4, 4))
     assert (owner == 0).all()
-    assert counts[[scanline.FRAGMENTS, scanline.PASSED]].tolist() == [32, 16]
+    assert counts[[depth_buffer.FRAGMENTS, depth_buffer.PASSED]].tolist() == [32, 16]
 
 
 def test_a_point_on_the_far_plane_is_seen() -> None:
@@ -319,7 +315,7 @@ def test_painting_takes_the_last() -> None:
     near, far = [(0, 0, 0.1), (2, 0, 0.1), (0, 2, 0.1)], [(0, 0, 0.9), (2, 0, 0.9), (0, 2, 0.9)]
     z, owner, counts = draw(near + far, [[0, 1, 2], [3, 4, 5]], (2, 2), form=Form(ALWAYS))
     assert picture(owner) == ["bb", "b."] or picture(owner) == ["b.", ".."]
-    assert (z[owner == 1] == pytest.approx(0.9)) and counts[scanline.PASSED] == 2 * (owner >= 0).sum()
+    assert (z[owner == 1] == pytest.approx(0.9)) and counts[depth_buffer.PASSED] == 2 * (owner >= 0).sum()
 
 
 # ---------------------------------------------------------------- what the buffer holds
@@ -359,25 +355,25 @@ def test_linear_levels_divide(d: float, level: int) -> None:
     assert held.tolist() == [[level]]
 
 
-@pytest.mark.parametrize("mode", MODES)
-def test_what_is_held_is_what_is_compared(mode: int) -> None:
+@pytest.mark.parametrize("directly", MODES)
+def test_what_is_held_is_what_is_compared(directly: bool) -> None:
     """Two walls that only float64 can tell apart, the nearer last."""
     walls, loops = wall(0.5) + wall(0.5 - 2.0**-40), [SQUARE, [4, 5, 6, 7]]
-    assert draw(walls, loops, (1, 1), mode)[1].item() == 1
-    held, owner, _ = draw(walls, loops, (1, 1), mode, held=np.float32)
+    assert draw(walls, loops, (1, 1), directly)[1].item() == 1
+    held, owner, _ = draw(walls, loops, (1, 1), directly, held=np.float32)
     assert held.dtype == np.float32 and owner.item() == 0
 
 
 @pytest.mark.parametrize(("form", "shown", "passed"), [(None, "a", 1), (Form(LESS_EQUAL), "b", 2)])
 def test_of_equal_depths_the_test_decides(form: Form | None, shown: str, passed: int) -> None:
     _, owner, counts = draw(wall(0.5), [SQUARE, SQUARE], (1, 1), form=form)
-    assert picture(owner) == [shown] and counts[scanline.PASSED] == passed
+    assert picture(owner) == [shown] and counts[depth_buffer.PASSED] == passed
 
 
 def test_whole_numbers_are_stepped_as_integers() -> None:
     """A triangle of depths that no grid holds, against Python's integers."""
     corners = [(0.0, 0.0, 100.3), (40.0, 0.0, 993.7), (0.0, 30.0, 401.9)]
-    z, owner, _ = draw(corners, [[0, 1, 2]], (40, 30), FIXED)
+    z, owner, _ = draw(corners, [[0, 1, 2]], (40, 30), form=Form(whole=True))
     z_x, z_y = (993.7 - 100.3) / 40, (401.9 - 100.3) / 30
     for row in range(30):
         # The left side is vertical: down it, then half a pixel to the first centre, then along.
@@ -407,21 +403,21 @@ def test_fates_of_polygons() -> None:
     corner = np.array([k for loop in loops for k in loop], np.int32)
     start = np.cumsum([0, *map(len, loops)]).astype(np.int32)
     cull = np.full(5, CULL_BACK, np.int8)
-    _, table = scanline.polygon_table(screen, corner, start, np.arange(5, dtype=np.int32), cull, (8, 8))
-    fates = [scanline.DRAWN, scanline.CULLED, scanline.EDGE_ON, scanline.MISSED, scanline.CLIPPED]
-    assert table[:, scanline.FATE].tolist() == fates
+    _, table = polygon_table.polygon_table(screen, corner, start, np.arange(5, dtype=np.int32), cull, (8, 8))
+    fates = [DRAWN, CULLED, EDGE_ON, MISSED, CLIPPED]
+    assert table[:, polygon_table.FATE].tolist() == fates
 
 
 def test_strips_list_polygons_in_order() -> None:
     rng = np.random.default_rng(1)
     table = np.zeros((200, 8), np.int32)
-    table[:, scanline.FIRST_LINE] = rng.integers(0, 150, 200)
-    table[:, scanline.END_LINE] = table[:, scanline.FIRST_LINE] + rng.integers(1, 51, 200)
+    table[:, polygon_table.FIRST_LINE] = rng.integers(0, 150, 200)
+    table[:, polygon_table.END_LINE] = table[:, polygon_table.FIRST_LINE] + rng.integers(1, 51, 200)
     table[::7] = 0  # not drawn
-    polygon, strips = scanline.deal_to_strips(table, 200)
-    assert sorted(strips[:, 0].tolist()) == list(range(-(-200 // scanline.STRIP)))
-    for strip, begin, end in strips.tolist():
-        low, high = strip * scanline.STRIP, (strip + 1) * scanline.STRIP
+    polygon, dealt = strips.deal_to_strips(table, 200)
+    assert sorted(dealt[:, 0].tolist()) == list(range(-(-200 // strips.STRIP)))
+    for strip, begin, end in dealt.tolist():
+        low, high = strip * strips.STRIP, (strip + 1) * strips.STRIP
         crosses = (table[:, 0] < high) & (table[:, 1] > low) & (table[:, 0] < table[:, 1])
         assert polygon[begin:end].tolist() == np.flatnonzero(crosses).tolist()
 
@@ -429,11 +425,12 @@ def test_strips_list_polygons_in_order() -> None:
 @pytest.mark.parametrize("real", REALS)
 def test_strips_leave_no_trace(real: type) -> None:
     """A side over many strips is one walk, bit for bit: every line is the line above plus 1/m."""
-    height = 3 * scanline.STRIP + 5
+    height = 3 * strips.STRIP + 5
     corners = np.array([(0.3, 0.1, 0.2), (11.7, 0.1, 0.8), (4.9, height - 0.3, 0.4)], real)
     loop = (np.arange(3, dtype=np.int32), np.array([0, 3], np.int32), np.zeros(1, np.int32))
-    ((z_x, z_y),), _ = scanline.polygon_table(corners, *loop, np.zeros(1, np.int8), (12, height))
-    z, owner, _ = draw(corners.tolist(), [[0, 1, 2]], (12, height), INCREMENTAL, real)
+    ((A, B, C),), _ = polygon_table.polygon_table(corners, *loop, np.zeros(1, np.int8), (12, height))
+    z_x, z_y = -A / C, -B / C
+    z, owner, _ = draw(corners.tolist(), [[0, 1, 2]], (12, height), False, real)
     (x0, y0, z0), (x2, y2, _) = corners[0], corners[2]
     half, m = real(0.5), (x2 - x0) / (y2 - y0)
     x = x0 + (half - y0) * m

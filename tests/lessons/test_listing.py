@@ -61,9 +61,9 @@ def test_lines_that_did_not_run_become_one_gap() -> None:
 
 
 def test_a_function_that_did_not_run_is_left_out() -> None:
-    other = source_of(scanline._drawn)
+    other = source_of(scanline.draw)
     assert listing_of([other, EXAMPLE], {("f", 3)}).text[0] == "def f(x):"
 
 
 def test_kernels_are_listed_without_decorator() -> None:
-    assert next(iter(source_of(scanline._drawn).lines.values())).startswith("def _drawn(")
+    assert next(iter(source_of(scanline.draw).lines.values())).startswith("def draw(")

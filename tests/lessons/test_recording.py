@@ -107,30 +107,32 @@ def test_values_are_those_after_the_step() -> None:
     track = topics()["depth-buffer"].track[0]
     found, _ = recorded(track, "scanline")
     name = {slot: name for slot, (_, name) in enumerate(found.slots)}
-    depth = step_z = None
-    additions = 0
+    z = z_across = None
+    steps = 0
     for step in found.steps:
-        changed = {name[slot]: value for slot, value in step.changes if found.slots[slot][0] == "_scan_strip"}
-        if found.listing.text[step.line].strip() == "depth += z_step":
-            additions += 1
-            assert changed["depth"] == depth + step_z
-        depth, step_z = changed.get("depth", depth), changed.get("z_step", step_z)
-    assert additions > 100
+        changed = {
+            name[slot]: value for slot, value in step.changes if found.slots[slot][0] == "scan_polygon"
+        }
+        if found.listing.text[step.line].strip() == "z -= z_across":
+            steps += 1
+            assert changed["z"] == z - z_across
+        z, z_across = changed.get("z", z), changed.get("z_across", z_across)
+    assert steps > 100
 
 
 def test_kernels_are_compiled_again_afterwards() -> None:
-    before = scanline._drawn, rays.cast
+    before = scanline.draw, rays.cast
     with interpreted():
-        assert scanline._drawn is python_of(before[0])
-    assert (scanline._drawn, rays.cast) == before
+        assert scanline.draw is python_of(before[0])
+    assert (scanline.draw, rays.cast) == before
 
 
 def test_kernels_and_trace_function_come_back_after_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(recording, "MOST_STEPS", 100)
-    before, tracing = scanline._drawn, sys.gettrace()
+    before, tracing = scanline.draw, sys.gettrace()
     with pytest.raises(MethodError, match="more than 100 steps are too many"):
         recorded(topics()["depth-buffer"].track[0], "scanline")
-    assert scanline._drawn is before and sys.gettrace() is tracing
+    assert scanline.draw is before and sys.gettrace() is tracing
 
 
 def test_questions_are_about_turns_of_either_outcome() -> None:
@@ -149,11 +151,11 @@ def test_the_picture_is_not_wiped_when_a_tile_is_done() -> None:
 def test_a_probe_that_watches_what_is_not_there_is_refused() -> None:
     seen, method = view_of(topics()["depth-buffer"].track[0]), method_named("scanline")
     probe = method.load_probe()(seen, method.options())
-    drawn = scanline._drawn
+    drawn = scanline.draw
     for broken, said in (
-        ({"shown": {drawn: ("face", "stord")}}, "_drawn has no variable 'stord', which a lesson watches"),
-        ({"buffers": {drawn: Look("j")}}, "_drawn has no variable 'j'"),
-        ({"counters": {"tests": (drawn, "stord =")}}, "no statement of _drawn begins with 'stord ='"),
+        ({"shown": {drawn: ("face", "stord")}}, "draw has no variable 'stord', which a lesson watches"),
+        ({"buffers": {drawn: Look("j")}}, "draw has no variable 'j'"),
+        ({"counters": {"tests": (drawn, "stord =")}}, "no statement of draw begins with 'stord ='"),
     ):
         with pytest.raises(MethodError, match=said):
             record(seen, method, probe._replace(**broken))

@@ -29,8 +29,8 @@ import numpy as np
 
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.errors import MethodError
+from hsr.kernels.depth_buffer import LESS, Form
 from hsr.kernels.projection import to_depth
-from hsr.kernels.scanline import LESS, Form
 from hsr.problem.map import BACKGROUND, depth_format
 from hsr.problem.view import View
 
@@ -121,7 +121,7 @@ class Depths:
         if not self.bits:
             return unrounded(test)
         if self.guard is not None:
-            return Form(test, self.levels, 2.0**-self.guard)
+            return Form(test, self.levels, 2.0**-self.guard, whole=True)
         if self.kind == "window":
             return Form(test, self.levels, float(self.levels), 0.5)
         scale = self.levels / (self.far - self.near)
@@ -167,9 +167,9 @@ def _spacing(real: Real, held: type[Any]) -> float:
     return max(float(np.finfo(real).epsneg), float(np.finfo(held).epsneg))
 
 
-def unrounded(test: int) -> Form | None:
-    """Tell the kernel to store what is interpolated as it is, and by which test."""
-    return None if test == LESS else Form(test)
+def unrounded(test: int, whole: bool = False) -> Form | None:
+    """Tell the kernel to store what is stepped, perhaps in whole numbers, as it is, and by which test."""
+    return Form(test, whole=whole) if whole or test != LESS else None
 
 
 def depths_of(name: str, guard: int | None, view: View, deepest: float) -> Depths:

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from hsr.algorithms.scanline import Options
-from hsr.kernels import culling, scanline
+from hsr.kernels import culling
+from hsr.kernels.strips import _scan_strip
 from hsr.lessons.probes import Look, Names, Probe
 from hsr.lessons.probes import scanline as painting
 from hsr.problem.view import View
@@ -27,5 +28,5 @@ def probe(view: View, _options: Any) -> Probe:
             **paint.shown,
         },
         buffers={culling._facing_by_normal: Look("i", before=clear), **paint.buffers},
-        until=scanline._scan_strip,
+        until=_scan_strip,
     )

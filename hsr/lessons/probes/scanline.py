@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from hsr.algorithms.scanline import Options
-from hsr.kernels import scanline
+from hsr.kernels.depth_buffer import stored_of
+from hsr.kernels.scanline import draw, edge_below, scan_polygon
+from hsr.kernels.strips import _scan_strip
 from hsr.lessons.probes import Beat, Buffers, Look, Names, Probe
 from hsr.problem.view import View
 
@@ -14,27 +16,27 @@ def probe(view: View, options: Options) -> Probe:
     """Watch spans, the depths along them, and the depth test."""
 
     def cleared(names: Names) -> Callable[[], Buffers]:
-        z, owner = names["z"], names["owner"]
+        z, owner = names["buffers"]
         way = -1 if options.upside_down else 1
         return lambda: (owner[::way], z[::way])
 
     def sample(names: Names) -> tuple[int, int]:
-        row = int(names["line"])
+        row = int(names["row"])
         return view.height - 1 - row if options.upside_down else row, int(names["column"])
 
-    spans = "face row x_left x_right first last left_m z_x z_y z_m z_left depth z_step"
+    spans = "face row A B C left_one_over_m x_left x_right first last z_left z_down z z_across"
     return Probe(
         shown={
-            scanline._scan_strip: tuple(spans.split()),
-            scanline._drawn: ("face", "depth", "stored", "z[line, column]"),
-            scanline._stored: ("depth",),
-            scanline._edge_below: ("row", "k", "line", "edge_end", "one_over_m"),
+            scan_polygon: tuple(spans.split()),
+            draw: ("face", "z", "stored", "z_buffer[row, column]"),
+            stored_of: ("z",),
+            edge_below: ("row", "k", "line", "edge_end", "one_over_m"),
         },
-        buffers={scanline._scan_strip: Look("i", cleared)},
-        beats=(Beat(scanline._drawn, "stored =", sample, lambda names: int(names["face"])),),
+        buffers={_scan_strip: Look("i", cleared)},
+        beats=(Beat(draw, "stored =", sample, lambda names: int(names["face"])),),
         counters={
-            "scan lines": (scanline._scan_strip, "line = "),
-            "fragments tested": (scanline._drawn, "stored ="),
-            "written": (scanline._drawn, "z[line, column] = stored"),
+            "scan lines": (scan_polygon, "first = "),
+            "fragments tested": (draw, "stored ="),
+            "written": (draw, "z_buffer[row, column] = stored"),
         },
     )
