@@ -20,22 +20,29 @@ if TYPE_CHECKING:
     from hsr.problem.view import View as View
     from hsr.problem.view import view as view
     from hsr.scene.files import load as load
+    from hsr.scene.model import MatrixCamera as MatrixCamera
+    from hsr.scene.model import Orthographic as Orthographic
+    from hsr.scene.model import Perspective as Perspective
     from hsr.scene.model import Scene as Scene
 
 __version__ = "0.2.0"
 
-# Imported on first use: `hsr --help` must not wait for numba or trimesh.
+# Imported on first use: `hsr --help` must not wait for numba or trimesh. What makes scenes comes by way of
+# the view, which gives them their geometry.
 _HOME = {
     "Difference": "hsr.difference.classes",
     "HsrError": "hsr.base.errors",
+    "MatrixCamera": "hsr.problem.view",
     "Method": "hsr.algorithms.registry",
-    "Scene": "hsr.scene.model",
+    "Orthographic": "hsr.problem.view",
+    "Perspective": "hsr.problem.view",
+    "Scene": "hsr.problem.view",
     "View": "hsr.problem.view",
     "VisibilityMap": "hsr.problem.map",
     "causes": "hsr.difference.cause",
     "compare": "hsr.difference.classes",
     "history": "hsr.difference.history",
-    "load": "hsr.scene.files",
+    "load": "hsr.problem.view",
     "load_map": "hsr.problem.map",
     "methods": "hsr.algorithms.registry",
     "render": "hsr.algorithms.registry",

@@ -9,10 +9,10 @@ begin later than at its origin.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass
 from importlib.metadata import version
-from typing import Any, Literal, get_args
+from typing import Any, Literal, TypeVar, get_args
 
 import numpy as np
 
@@ -21,12 +21,12 @@ from hsr.base.errors import MethodError, UnavailableError
 from hsr.base.jit import thread_count
 from hsr.embree import library
 from hsr.embree.packets import PACKET_SIDE, Sight
-from hsr.kernels.threads import threads_apart
 from hsr.problem.map import BACKGROUND, Clock, VisibilityMap, depth_format
 from hsr.problem.view import CULL, View, WorldPolygons
 from hsr.scene.transforms import placed
 
 Interface = Literal["embreex", "single", "packets"]
+Made = TypeVar("Made")
 
 RAYS_AT_ONCE = 2**16
 """How many rays are handed to embreex at once: few enough to stay in the processor's cache."""
@@ -69,8 +69,8 @@ def render(view: View, options: Options) -> VisibilityMap:
     -------
     VisibilityMap
         ``seconds``: ``prepare`` rounds the triangles to float32, ``build`` has Embree sort them into
-        its hierarchy, ``render`` makes the rays, traces them and notes what they hit. ``work``: ``rays``,
-        ``triangles``.
+        its hierarchy, both once a scene unless something is culled, ``render`` makes the rays, traces them
+        and notes what they hit. ``work``: ``rays``, ``triangles``.
 
     Raises
     ------
@@ -85,8 +85,8 @@ def render(view: View, options: Options) -> VisibilityMap:
         vertices, corner, face = handed_over(view)
         face_of = np.append(face, np.int32(BACKGROUND))  # Embree numbers a miss -1: the last entry
     with clock("build"):
-        scene = interface.build(vertices, corner)
-    with clock("render"), threads_apart():
+        scene = _once(view, (type(interface), interface.threads), lambda: interface.build(vertices, corner))
+    with clock("render"):
         face, depth = interface.trace(scene, view, face_of)
     work = {"rays": view.width * view.height, "triangles": len(corner)}
     return VisibilityMap(face, depth, "embree", work, clock.seconds, _notes(view, interface))
@@ -110,7 +110,16 @@ def handed_over(view: View) -> tuple[Array, Ints, Ints]:
     MethodError
         If a coordinate is beyond float32.
     """
-    polygons = view.tessellated().polygons
+    return _once(view, "handed over", lambda: _handed_over(view, view.tessellated().polygons))
+
+
+def _once(view: View, what: Hashable, make: Callable[[], Made]) -> Made:
+    """Make something of the triangles once a scene; for each picture where the camera says what is culled."""
+    geometry = view.tessellated().geometry
+    return make() if geometry.polygons.cull.any() else geometry.once(("embree", what), make)
+
+
+def _handed_over(view: View, polygons: WorldPolygons) -> tuple[Array, Ints, Ints]:
     kept = _facing_the_right_way(view, polygons)
     corner = np.ascontiguousarray(polygons.triangle_vertex[kept])
     return _as_float32(polygons.vertices), corner, polygons.triangle_face[kept]

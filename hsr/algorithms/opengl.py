@@ -59,8 +59,8 @@ def render(view: View, options: Options) -> VisibilityMap:
     Returns
     -------
     VisibilityMap
-        ``seconds``: ``prepare`` uploads the triangles, ``render`` clears, draws and waits, ``read``
-        brings the answer back. Opening the driver, once a process, is not counted.
+        ``seconds``: ``prepare`` uploads the triangles, once a scene, ``render`` clears, draws and waits,
+        ``read`` brings the answer back. Opening the driver, once a process, is not counted.
         ``work``: ``triangles`` and ``vertices`` drawn.
 
     Raises

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple, get_args
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -21,7 +20,7 @@ from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.errors import MethodError
 from hsr.kernels import hierarchy, rays, triangle_tests
 from hsr.kernels.boxes import nearness_of
-from hsr.kernels.threads import threads_apart
+from hsr.problem.geometry import Geometry
 from hsr.problem.map import Clock, VisibilityMap, depth_format
 from hsr.problem.view import Rays, View
 from hsr.scene.shapes import Kind, Polygons, Shape
@@ -127,11 +126,10 @@ def render(view: View, options: Options) -> VisibilityMap:
         the face is the same for every acceleration (tested on the screen, with robust slabs). Neither
         depends on the number of threads.
 
-        ``seconds``: ``build`` (hierarchies; next to nothing when this process has built them before),
-        ``prepare`` and ``render``. ``work`` of tiles: ``rays``; ``nodes visited``, ``extent tests`` of
-        objects and ``face tests``, each once for every tile; ``uncertain`` samples, which were decided
-        exactly. Of single rays, if counted: ``rays``, ``nodes visited``, ``extent tests``, ``face tests`` and
-        ``hits``.
+        ``seconds``: ``build`` (hierarchies, once a scene), ``prepare`` and ``render``. ``work`` of tiles:
+        ``rays``; ``nodes visited``, ``extent tests`` of objects and ``face tests``, each once for every tile;
+        ``uncertain`` samples, which were decided exactly. Of single rays, if counted: ``rays``,
+        ``nodes visited``, ``extent tests``, ``face tests`` and ``hits``.
 
     Raises
     ------
@@ -148,7 +146,7 @@ def render(view: View, options: Options) -> VisibilityMap:
         size = (view.height, view.width)
         face, depth = np.empty(size, np.int32), np.empty(size)
         work = np.zeros((view.height, len(COUNTED)), np.int64) if options.count else None
-    with clock("render"), threads_apart():
+    with clock("render"):
         rays.cast(camera, data, _way(options), face, depth, work)
     counts = {} if work is None else dict(zip(COUNTED, work.sum(axis=0).tolist(), strict=True))
     step = float(np.finfo(options.arithmetic).eps)
@@ -200,19 +198,14 @@ class _Mesh(NamedTuple):
     nodes: Array
 
 
-_built: WeakKeyDictionary[Shape, _Mesh] = WeakKeyDictionary()
-
-
 def _mesh_of(shape: Shape) -> _Mesh:
-    """Build the hierarchy of a mesh, once for all its instances and views."""
-    if shape not in _built:
-        polygons = _polygons(shape)
-        corner = np.ascontiguousarray(polygons.triangle_vertex, np.int32)
-        order, nodes = _hierarchy(*hierarchy.boxes_of(polygons.vertices, corner))
-        triangles = np.empty(len(corner), rays.TRIANGLE)
-        triangles["corner"], triangles["face"] = corner[order], polygons.triangle_face[order]
-        _built[shape] = _Mesh(polygons.vertices, triangles, nodes)
-    return _built[shape]
+    """Build the hierarchy of a mesh, once for all its instances."""
+    polygons = _polygons(shape)
+    corner = np.ascontiguousarray(polygons.triangle_vertex, np.int32)
+    order, nodes = _hierarchy(*hierarchy.boxes_of(polygons.vertices, corner))
+    triangles = np.empty(len(corner), rays.TRIANGLE)
+    triangles["corner"], triangles["face"] = corner[order], polygons.triangle_face[order]
+    return _Mesh(polygons.vertices, triangles, nodes)
 
 
 def _polygons(shape: Shape) -> Polygons:
@@ -228,42 +221,76 @@ def _hierarchy(low: Floats, high: Floats) -> tuple[Ints, Array]:
 
 
 class _Shapes(NamedTuple):
-    """The data of all shapes of a view, and where in it each shape's begins and ends.
+    """The data of all shapes of a scene, and its objects.
 
     Attributes
     ----------
     planes, vertices, triangles, nodes
         As for ``rays.cast``.
-    places : dict
-        From shape to where its data begin: planes or triangles (``start``, and their ``end``), vertices
-        (``vertex``), nodes (``root``).
+    objects : (n,) OBJECT
+        In file order, without what depends on the camera.
+    inverse : (n, 3, 3) float64
+        Of the linear parts of their matrices.
     """
 
     planes: Floats
     vertices: Floats
     triangles: Array
     nodes: Array
-    places: dict[Shape, dict[str, int]]
+    objects: Array
+    inverse: Floats
 
 
 def _shapes(view: View) -> _Shapes:
+    """Return the data of all shapes, made once a scene."""
+    return view.geometry.once("raycast shapes", lambda: _joined_shapes(view.geometry))
+
+
+def _joined_shapes(geometry: Geometry) -> _Shapes:
     """Join the data of all shapes, with indices that count from the start of the joint arrays."""
-    distinct = dict.fromkeys(placement.shape for placement in view.placements)
+    distinct = dict.fromkeys(one.shape for one in geometry)
     planes = {shape: _planes_of(_polygons(shape)) for shape in distinct if shape.kind in SOLIDS}
     meshes = {shape: _mesh_of(shape) for shape in distinct if shape.kind == Kind.MESH}
+    # From shape to where its data begin: planes or triangles (and their end), vertices, nodes.
     places: dict[Shape, dict[str, int]] = {shape: {} for shape in distinct}
     _place(places, planes, "start", "end")
     _place(places, {shape: mesh.triangles for shape, mesh in meshes.items()}, "start", "end")
     _place(places, {shape: mesh.vertices for shape, mesh in meshes.items()}, "vertex")
     _place(places, {shape: mesh.nodes for shape, mesh in meshes.items()}, "root")
     moved = [_moved(mesh, places[shape]) for shape, mesh in meshes.items()]
+    nodes = _joined([mesh.nodes for mesh in moved], np.empty(0, hierarchy.NODE))
     return _Shapes(
         _joined(list(planes.values()), np.empty((0, 4))),
         _joined([mesh.vertices for mesh in moved], np.empty((0, 3))),
         _joined([mesh.triangles for mesh in moved], np.empty(0, rays.TRIANGLE)),
-        _joined([mesh.nodes for mesh in moved], np.empty(0, hierarchy.NODE)),
-        places,
+        nodes,
+        _objects_of(geometry, places, nodes),
+        np.asarray(np.linalg.inv(geometry.matrices[:, :3, :3]), np.float64),
     )
+
+
+def _objects_of(geometry: Geometry, places: dict[Shape, dict[str, int]], nodes: Array) -> Array:
+    """Return the objects (n,) in file order, without what depends on the camera."""
+    number = {shape: k for k, shape in enumerate(places)}
+    described = np.concatenate([_described(shape, place, nodes) for shape, place in places.items()])
+    objects = described[[number[one.shape] for one in geometry]]
+    objects["first_face"] = [one.first for one in geometry]
+    objects["cull"] = [one.cull for one in geometry]
+    objects["mirrored"] = [one.mirrored for one in geometry]
+    return objects
+
+
+def _described(shape: Shape, place: dict[str, int], nodes: Array) -> Array:
+    """Return an ``OBJECT`` (1,) with all that depends on the shape alone."""
+    described = np.zeros(1, rays.OBJECT)
+    described["kind"] = shape.kind
+    if shape.kind == Kind.MESH:
+        described["low"], described["high"] = nodes[place["root"]]["low"], nodes[place["root"]]["high"]
+    else:
+        described["low"], described["high"] = ray_tiles.box_of(shape)
+    for name in ("start", "end", "root"):
+        described[name] = place.get(name, 0)
+    return described
 
 
 def _place(places: dict[Shape, dict[str, int]], parts: dict[Shape, Array], *names: str) -> None:
@@ -297,14 +324,6 @@ def _planes_of(polygons: Polygons) -> Floats:
     np.add.at(normal, polygons.triangle_polygon, np.cross(b - a, c - a))
     first = polygons.vertices[polygons.corner[polygons.start[:-1]]]
     return np.column_stack([normal, (normal * first).sum(axis=1)])
-
-
-def _extent_of(shape: Shape) -> Floats:
-    """Return the opposite corners (2, 3) of a shape's box in object space."""
-    if shape.kind == Kind.MESH:
-        root = _mesh_of(shape).nodes[0]
-        return np.stack([root["low"], root["high"]])
-    return ray_tiles.box_of(shape)
 
 
 # ---------------------------------------------------------------- the view as the kernels see it
@@ -351,17 +370,8 @@ def as_float32(numbers: Floats) -> Array:
 
 
 def _objects(view: View, shapes: _Shapes) -> Array:
-    """Return the objects (n,) in file order."""
-    placements = view.placements
-    number = {shape: k for k, shape in enumerate(shapes.places)}
-    described = np.concatenate([_described(shape, place) for shape, place in shapes.places.items()])
-    objects = described[[number[placement.shape] for placement in placements]]
-    objects["first_face"] = [placement.first for placement in placements]
-    objects["cull"] = [placement.cull for placement in placements]
-    objects["mirrored"] = [placement.mirrored for placement in placements]
-
-    matrix = np.array([placement.world_from_object for placement in placements])
-    inverse = np.linalg.inv(matrix[:, :3, :3])
+    """Return the objects (n,) in file order, as the camera sees them."""
+    objects, matrix, inverse = shapes.objects.copy(), view.geometry.matrices, shapes.inverse
     sight = _sample_rays(view)
     translation = np.pad(matrix[:, :3, 3:], ((0, 0), (0, 0), (0, 2)))
     objects["screen"] = _screen_from_world(view) @ matrix
@@ -369,16 +379,6 @@ def _objects(view: View, shapes: _Shapes) -> Array:
     objects["direction"] = inverse @ sight.direction
     objects["margin"] = _margins(view, objects, matrix, inverse)
     return objects
-
-
-def _described(shape: Shape, place: dict[str, int]) -> Array:
-    """Return an ``OBJECT`` (1,) with all that depends on the shape alone."""
-    described = np.zeros(1, rays.OBJECT)
-    described["kind"] = shape.kind
-    described["low"], described["high"] = _extent_of(shape)
-    for name in ("start", "end", "root"):
-        described[name] = place.get(name, 0)
-    return described
 
 
 def _with_world(view: View, objects: Array, nodes: Array) -> tuple[Array, Array]:
@@ -401,7 +401,7 @@ def _world_extents(view: View, objects: Array) -> tuple[Floats, Floats]:
     They hold twice the margin: once for the ray, which in world space is no more certain, and once for
     the rounding of what is computed here.
     """
-    matrix = np.array([placement.world_from_object for placement in view.placements])
+    matrix = view.geometry.matrices
     low, high = objects["low"] - 2.0 * objects["margin"], objects["high"] + 2.0 * objects["margin"]
     linear, centre, half = matrix[:, :3, :3], 0.5 * (low + high), 0.5 * (high - low)
     centre = (linear @ centre[:, :, None])[:, :, 0] + matrix[:, :3, 3]

@@ -12,7 +12,7 @@ from typing import Any
 from hsr.base.errors import MethodError
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View, view
-from hsr.scene.model import Scene
+from hsr.scene.model import Camera, Scene
 
 ENTRY_POINTS = "hsr.algorithms"
 """Entry-point group in which other packages register a :class:`Method`."""
@@ -107,7 +107,8 @@ class Method:
 
     def warm_up(self, view: View) -> None:
         """Render a tiny picture of the same objects, so that compiling is not timed later."""
-        self.render(replace(view, width=WARM_UP, height=WARM_UP))
+        # What is prepared of the objects is not compiling: it stays to be timed.
+        self.render(replace(view, width=WARM_UP, height=WARM_UP, placements=tuple(view.placements)))
 
     def load_pipeline(self) -> Any:
         """Return the models of the method, None if its row names none."""
@@ -345,7 +346,7 @@ def render(
     scene: Scene | View,
     method: str = "zbuffer",
     size: tuple[int, int] | None = None,
-    camera: str | None = None,
+    camera: str | Camera | None = None,
     **options: Any,
 ) -> VisibilityMap:
     """Decide which face owns each sample, by the named method.
@@ -357,8 +358,8 @@ def render(
         A name that ``hsr algos`` lists.
     size : (width, height), optional
         Image size in pixels, 512 x 512 by default; only with a scene.
-    camera : str, optional
-        Name of the scene's camera, its first by default; only with a scene.
+    camera : str, Perspective, Orthographic or MatrixCamera, optional
+        Name of one of the scene's, or any other, the scene's first by default; only with a scene.
     **options
         Options of the method in place of its defaults.
 

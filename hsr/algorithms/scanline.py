@@ -28,7 +28,6 @@ from hsr.kernels.depth_buffer import FRAGMENTS, LESS, LESS_EQUAL, PASSED, SCAN_L
 from hsr.kernels.polygon_table import FATE, polygon_table
 from hsr.kernels.projection import clip_rows, to_clip, to_screen
 from hsr.kernels.strips import scan_convert
-from hsr.kernels.threads import threads_apart
 from hsr.problem.map import Clock, VisibilityMap
 from hsr.problem.view import View
 from hsr.scene.shapes import Polygons
@@ -165,7 +164,7 @@ def render(view: View, options: Options) -> VisibilityMap:
     with clock("prepare"):
         view = view.tessellated()
         polygons = view.polygons
-    with clock("render"), threads_apart():
+    with clock("render"):
         clip = to_clip(polygons.vertices, clip_rows(view.clip_from_world, view.depth_row))
         face, depth, work, depths = scan_polygons(
             view, polygons, clip, polygons.cull, options, TESTS[options.depth_test]

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Any, NamedTuple
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -26,11 +25,11 @@ from hsr.base.jit import thread_count
 from hsr.certify import resolve
 from hsr.kernels import hierarchy
 from hsr.kernels.projection import clip_rows, to_clip
-from hsr.kernels.threads import threads_apart
 from hsr.kernels.zbuffer import clusters, halfspaces, key_buffer, tiles
 from hsr.kernels.zbuffer.halfspaces import CLUSTER, SMALL, TABLE, Eye, U, nearness_at
+from hsr.problem.geometry import Geometry
 from hsr.problem.map import Clock, VisibilityMap, depth_format
-from hsr.problem.view import View, WorldPolygons
+from hsr.problem.view import View
 from hsr.scene.shapes import Shape
 
 ROOM = 64
@@ -69,10 +68,10 @@ def render(view: View, options: Options) -> VisibilityMap:
         Certified, ``face`` is exact; ``depth`` is correctly rounded where it was decided exactly, and
         elsewhere its inverse (under perspective; in a parallel view it itself) is within 2^-35 of the range
         of what is seen, or what its vertices' rounding makes of it if that is more. ``seconds``:
-        ``prepare`` puts the triangles into world space and in order, and makes room for the answer;
-        ``render`` is all the rest. ``work``: ``triangles``, ``clusters_drawn`` and ``clusters_hidden``,
-        ``triangles_drawn``, each once for every tile of the image, ``uncertain`` samples, which were
-        decided exactly, and ``buffer_bytes``, those of the answer.
+        ``prepare`` puts the triangles into world space and in order, once a scene, and makes room for the
+        answer; ``render`` is all the rest. ``work``: ``triangles``, ``clusters_drawn`` and
+        ``clusters_hidden``, ``triangles_drawn``, each once for every tile of the image, ``uncertain``
+        samples, which were decided exactly, and ``buffer_bytes``, those of the answer.
 
     Notes
     -----
@@ -91,7 +90,7 @@ def render(view: View, options: Options) -> VisibilityMap:
             np.full((view.height, view.width), -1, np.int32),
             np.full((view.height, view.width), np.inf),
         )
-    with clock("render"), threads_apart():
+    with clock("render"):
         rows = clip_rows(view.clip_from_world, view.depth_row)
         eye = eye_of(view, mesh, rows)
         found, counts = draw(view, mesh, rows, eye, screen, options.certified, (face, depth))
@@ -109,11 +108,11 @@ def render(view: View, options: Options) -> VisibilityMap:
     return VisibilityMap(face, depth, "zbuffer", work, clock.seconds, notes)
 
 
-# ---------------------------------------------------------------- once a view
+# ---------------------------------------------------------------- once a scene
 
 
 class Mesh(NamedTuple):
-    """The triangles of a view in clusters, which are neighbours on a Morton curve.
+    """Triangles in clusters, which are neighbours on a Morton curve.
 
     Attributes
     ----------
@@ -149,21 +148,17 @@ class Mesh(NamedTuple):
     normals: tuple[Floats, Floats] | None
 
 
-_meshes: WeakKeyDictionary[WorldPolygons, Mesh] = WeakKeyDictionary()
-
-
 def mesh_of(view: View) -> Mesh:
-    """Put the triangles of a view without curved shapes in clusters, once for all its pictures."""
-    polygons = view.polygons
-    if polygons not in _meshes:
-        _meshes[polygons] = clustered(view, np.arange(len(polygons.triangle_vertex)), polygons.triangle_face)
-    return _meshes[polygons]
+    """Put the triangles of a view without curved shapes in clusters, once a scene."""
+    geometry = view.geometry
+    every, faces = np.arange(len(geometry.polygons.triangle_vertex)), geometry.polygons.triangle_face
+    return geometry.once("zbuffer", lambda: clustered(geometry, every, faces))
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def clustered(view: View, chosen: Array, faces: Ints) -> Mesh:
+def clustered(geometry: Geometry, chosen: Array, faces: Ints) -> Mesh:
     """Put some triangles (n,) of the fans in clusters; ``faces`` (all,) is what they shall show."""
-    polygons = view.polygons
+    polygons = geometry.polygons
     vertex, place = along_the_curve(polygons.vertices, polygons.vertices)
     low, high = hierarchy.boxes_of(polygons.vertices, polygons.triangle_vertex[chosen])
     order, _ = along_the_curve(low, high)
@@ -173,7 +168,7 @@ def clustered(view: View, chosen: Array, faces: Ints) -> Mesh:
         np.ascontiguousarray(polygons.vertices[vertex].T),
         place[polygons.triangle_vertex[number]],
     )
-    cull, slack = polygons.cull[polygons.triangle_polygon[number]], world_slack(view)
+    cull, slack = polygons.cull[polygons.triangle_polygon[number]], world_slack(geometry)
     least, most = np.minimum.reduceat(cull, first), np.maximum.reduceat(cull, first)
     return Mesh(
         vertices,
@@ -206,15 +201,15 @@ def along_the_curve(low: Floats, high: Floats) -> tuple[Ints, Ints]:
     return order, place
 
 
-def world_slack(view: View) -> Floats:
-    """Bound (3,) by how much the rounded vertices of a view's polygons miss the true ones, world space.
+def world_slack(geometry: Geometry) -> Floats:
+    """Bound (3,) by how much the rounded vertices of a geometry's polygons miss the true ones, world space.
 
     A coordinate is a sum of three products and a translation: fewer than eight roundings, each of at most
     the sum of their magnitudes.
     """
-    matrix = abs(np.array([placement.world_from_object for placement in view.placements]))
-    farthest = {id(p.shape): abs(_vertices(p.shape)).max(axis=0) for p in view.placements}
-    reach = np.array([farthest[id(placement.shape)] for placement in view.placements])
+    matrix = abs(geometry.matrices)
+    farthest = {one.shape: abs(_vertices(one.shape)).max(axis=0) for one in geometry}
+    reach = np.array([farthest[one.shape] for one in geometry])
     size = (matrix[:, :3, :3] @ reach[:, :, None])[:, :, 0] + matrix[:, :3, 3]
     return np.asarray(8.0 * U * (size.max(axis=0) + SMALL))
 

@@ -16,6 +16,7 @@ from hsr.base.arrays import Array, Bools, Floats, Ints
 from hsr.certify.curved import CurvedPiece, Hit, curved_piece, root_on_plane, sights_of
 from hsr.certify.facets import Corner, Facet, corner_of, facet_of
 from hsr.certify.frame import Frame, Matrix, frame_of
+from hsr.problem.geometry import Geometry
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import Placement, View
 from hsr.scene.shapes import Polygons
@@ -49,27 +50,14 @@ class Resolved:
     depth: Floats
 
 
-def first_pieces(view: View) -> Array:
-    """Return where the pieces of each object of a view begin.
+def first_pieces(geometry: Geometry) -> list[int]:
+    """Return where the pieces of each object begin, in file order, and the number of pieces.
 
     An object of planar faces has the triangles of its polygons' fans, in the order of
     ``shape.polygons.triangle_vertex``; a sphere is 1 piece, a cylinder 3 (side, base, cap). For a view
     without curved shapes the pieces are the triangles of ``view.polygons``.
-
-    Parameters
-    ----------
-    view : View
-
-    Returns
-    -------
-    (objects + 1,) int64
-        The first piece of each object, in the order of ``view.placements``, and the number of pieces.
     """
-    return np.array(_starts(view), np.int64)
-
-
-def _starts(view: View) -> list[int]:
-    return list(accumulate(map(_piece_count, view.placements), initial=0))
+    return geometry.once("certify", lambda: list(accumulate(map(_piece_count, geometry), initial=0)))
 
 
 def _piece_count(placement: Placement) -> int:
@@ -174,7 +162,7 @@ def _pieces_of(view: View, frame: Frame) -> Kept[int, Piece]:
     """Return the pieces of a view."""
     matrices: Kept[int, Matrix] = Kept(lambda thing: frame.matrix(view.placements[thing]))
     corners = Kept(partial(_corner, view, matrices))
-    return Kept(partial(_piece, view, frame, _starts(view), corners))
+    return Kept(partial(_piece, view, frame, first_pieces(view.geometry), corners))
 
 
 def _corner(view: View, matrices: Kept[int, Matrix], which: tuple[int, int]) -> Corner:

@@ -59,6 +59,7 @@ class Context:
         try:
             with loader:
                 self.gl = moderngl.create_context(context=cast(Any, loader))
+                self.gl.gc_mode = "context_gc"  # what is no longer needed waits for gl.gc()
                 self.program = self.gl.program(vertex_shader=VERTEX_SHADER, fragment_shader=FRAGMENT_SHADER)
                 self._describe(self.gl.info)
         except (moderngl.Error, ValueError) as error:

@@ -1,4 +1,4 @@
-"""A view uploaded to OpenGL: drawn as often as one likes, read back as face ids and depths.
+"""A view in OpenGL: its triangles uploaded once a scene, drawn, and read back as face ids and depths.
 
 The triangles are drawn in order of their faces, with float32 vertices and matrix, one sample a
 pixel, into two attachments: R32I for the number of the triangle + 1, cleared to 0, and a depth
@@ -9,8 +9,7 @@ is the driver's rule: OpenGL only promises one owner for an edge two triangles s
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import moderngl
 import numpy as np
@@ -18,8 +17,9 @@ import numpy as np
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.errors import MethodError
 from hsr.gl.depth import D24, DepthBuffer, clip_range, depth_texture
+from hsr.problem.geometry import CULL, WorldPolygons
 from hsr.problem.map import BACKGROUND
-from hsr.problem.view import CULL, View
+from hsr.problem.view import View
 
 if TYPE_CHECKING:
     from hsr.gl.contexts import Context
@@ -37,6 +37,32 @@ uniform int first;
 out int triangle;
 void main() { triangle = first + gl_PrimitiveID + 1; }
 """
+
+
+class Triangles:
+    """The triangles of a geometry without curved shapes in the memory of OpenGL, for all its views.
+
+    Given back when a drawing is made after they are no longer needed: the context collects them.
+
+    Attributes
+    ----------
+    array : moderngl.VertexArray
+    face_of : (n + 1,) int32
+        Face of each triangle, after that of the background.
+    runs : list of (int, int, int)
+        Where culling changes: what to cull, first triangle, number of triangles.
+    vertices : int
+    """
+
+    def __init__(self, context: Context, polygons: WorldPolygons) -> None:
+        vertices = _as_float32(polygons.vertices)
+        with context.gl as gl:
+            corner = gl.buffer(np.ascontiguousarray(polygons.triangle_vertex))
+            content = [(gl.buffer(vertices), "3f", "vertex")]
+            self.array = gl.vertex_array(context.program, content, index_buffer=corner)
+        self.face_of = np.append(np.int32(BACKGROUND), polygons.triangle_face)
+        self.runs = _runs(polygons.cull[polygons.triangle_polygon])
+        self.vertices = len(vertices)
 
 
 class Drawing:
@@ -62,34 +88,24 @@ class Drawing:
 
     def __init__(self, context: Context, view: View, buffer: DepthBuffer = D24) -> None:
         _check_size(view, context.max_side)
-        polygons = view.tessellated().polygons
-        vertices = _as_float32(polygons.vertices)
+        geometry = view.tessellated().geometry
+        self._triangles = geometry.once(("opengl", context), lambda: Triangles(context, geometry.polygons))
         matrix = _as_float32(buffer.clip_from_world(view))
         self.view = view
         self._buffer = buffer
-        self.vertices = len(vertices)
-        self.triangles = len(polygons.triangle_vertex)
-        self._face_of = np.append(np.int32(BACKGROUND), polygons.triangle_face)
-        self._runs = _runs(polygons.cull[polygons.triangle_polygon])
+        self.vertices, self.triangles = self._triangles.vertices, len(self._triangles.face_of) - 1
         self._matrix = tuple(matrix.T.ravel())  # OpenGL's matrices are column after column
         self._context = context
         with context.gl as gl:
-            self._upload(gl, vertices, polygons.triangle_vertex)
+            gl.gc()
+            self._make_room(gl, (view.width, view.height))
 
-    def _upload(self, gl: moderngl.Context, vertices: Array, corner: Ints) -> None:
-        size = (self.view.width, self.view.height)
-        vertex_buffer = gl.buffer(vertices)
-        corner_buffer = gl.buffer(np.ascontiguousarray(corner))
-        self._array = gl.vertex_array(
-            self._context.program, [(vertex_buffer, "3f", "vertex")], index_buffer=corner_buffer
-        )
+    def _make_room(self, gl: moderngl.Context, size: tuple[int, int]) -> None:
         triangle = gl.texture(size, components=1, dtype="i4")
         depth = depth_texture(self._context, size, self._buffer)
-        self._parts = (vertex_buffer, corner_buffer, self._array, triangle, depth)
         try:
             self._frame = gl.framebuffer([triangle], depth)
         except moderngl.Error as error:
-            _release(self._parts)
             raise MethodError(
                 f"opengl: the driver has no room for {size[0]}x{size[1]} samples; choose a smaller size"
             ) from error
@@ -102,10 +118,10 @@ class Drawing:
             self._frame.clear(depth=self._buffer.cleared_to)
             self._context.program["clip_from_world"] = self._matrix
             gl.depth_func = ">" if self._buffer.reversed else "<"
-            for cull, first, count in self._runs:
+            for cull, first, count in self._triangles.runs:
                 _set_culling(gl, cull)
                 self._context.program["first"] = first
-                self._array.render(vertices=3 * count, first=3 * first)
+                self._triangles.array.render(vertices=3 * count, first=3 * first)
             gl.finish()
 
     def read(self) -> tuple[Ints, Floats]:
@@ -126,7 +142,7 @@ class Drawing:
         with self._context.gl:
             self._frame.read_into(triangle, components=1, attachment=0, dtype="i4")
             self._frame.read_into(stored, components=1, attachment=-1, dtype=kind)
-        face = self._face_of[triangle[::-1]]
+        face = self._triangles.face_of[triangle[::-1]]
         drawn = face != BACKGROUND
         depth = np.full(shape, np.inf)
         window = stored[::-1][drawn]
@@ -139,7 +155,8 @@ class Drawing:
         """Give the memory back to OpenGL."""
         with self._context.gl as gl:
             gl.screen.use()  # a deleted frame must not stay bound
-            _release((self._frame, *self._parts))
+            del self._frame
+            gl.gc()
 
     def __enter__(self) -> Drawing:
         return self
@@ -188,11 +205,6 @@ def _as_float32(numbers: Floats) -> Array:
     if not np.isfinite(rounded).all():
         raise MethodError("opengl: the scene has coordinates beyond float32 (3.4e38); scale it down")
     return rounded
-
-
-def _release(parts: Iterable[Any]) -> None:
-    for part in parts:
-        part.release()
 
 
 def _runs(cull: Array) -> list[tuple[int, int, int]]:

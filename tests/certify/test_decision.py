@@ -44,7 +44,7 @@ def asked(view: View, candidates: Array, shuffle: int = 0) -> Resolved:
 
 
 def everything(view: View) -> Resolved:
-    return asked(view, np.arange(first_pieces(view)[-1]))
+    return asked(view, np.arange(first_pieces(view.geometry)[-1]))
 
 
 def owners(view: View) -> list[list[int]]:
@@ -67,9 +67,9 @@ def sheared(x: float, y: float) -> dict[str, Any]:
 
 def test_pieces_are_numbered_object_by_object() -> None:
     shapes = ["square", "sphere", "cylinder", "cube"]
-    assert first_pieces(seen([{"shape": shape} for shape in shapes])).tolist() == [0, 2, 3, 6, 18]
+    assert first_pieces(seen([{"shape": shape} for shape in shapes]).geometry) == [0, 2, 3, 6, 18]
     flat = seen([{"shape": shape} for shape in shapes]).tessellated()
-    assert first_pieces(flat)[-1] == len(flat.polygons.triangle_vertex)
+    assert first_pieces(flat.geometry)[-1] == len(flat.polygons.triangle_vertex)
 
 
 def test_samples_come_back_once_and_ascending() -> None:
@@ -383,7 +383,7 @@ def test_built_in_scenes(name: str) -> None:
 
 def shown_and_others(view_: View, answer: Truth, others: int = 100) -> Array:
     """Return the pieces of the faces that the oracle shows, and some more."""
-    count = int(first_pieces(view_)[-1])
+    count = first_pieces(view_.geometry)[-1]
     shown = np.isin(faces_of_pieces(view_), answer.face)
     more = np.random.default_rng(0).choice(count, min(count, others), replace=False)
     return np.union1d(np.flatnonzero(shown), more)

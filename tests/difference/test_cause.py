@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 import pytest
@@ -162,7 +161,6 @@ def test_the_traversal_is_named(truth: VisibilityMap, monkeypatch: pytest.Monkey
         return (low + high) / 2.0, (low + high) / 2.0
 
     monkeypatch.setattr(hierarchy, "boxes_of", shrunk)
-    monkeypatch.setattr(raycast, "_built", WeakKeyDictionary())
     found = named(soup(), "raycast-single", truth)
     assert found.counts == {"traversal": found.wrong} and found.wrong > 0
 

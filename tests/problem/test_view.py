@@ -198,7 +198,7 @@ def test_problems_of_python_scenes_come_with_the_view(make_scene: Any) -> None:
 
 
 def test_more_faces_than_int32_numbers(make_scene: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("hsr.problem.view.MAX_FACES", 11)
+    monkeypatch.setattr("hsr.problem.geometry.MAX_FACES", 11)
     with pytest.raises(ViewError, match=r"^object 'b': more than 11 faces in the scene$"):
         hsr.view(make_scene([CUBE, {"name": "b", "shape": "cube"}]))
     assert shapes.MAX_FACES == 2**31 - 2

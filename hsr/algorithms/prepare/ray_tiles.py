@@ -14,7 +14,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple, cast
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -28,7 +27,6 @@ from hsr.kernels import hierarchy
 from hsr.kernels.projection import clip_rows, to_clip
 from hsr.kernels.raytiles import casting
 from hsr.kernels.raytiles.casting import MEMBER, NO_QUADRIC, SHARE
-from hsr.kernels.threads import threads_apart
 from hsr.kernels.zbuffer import key_buffer
 from hsr.kernels.zbuffer.halfspaces import (
     CLUSTER,
@@ -42,8 +40,9 @@ from hsr.kernels.zbuffer.halfspaces import (
     eye_between,
 )
 from hsr.kernels.zbuffer.tiles import CELL, COLUMNS, LINES, deal
+from hsr.problem.geometry import Geometry, Placement, reversed_loops
 from hsr.problem.map import Clock, VisibilityMap
-from hsr.problem.view import Placement, View, reversed_loops
+from hsr.problem.view import View
 from hsr.scene.shapes import Polygons, Shape
 
 LEAF = CLUSTER
@@ -71,14 +70,15 @@ def render(view: View, certified: bool) -> VisibilityMap:
         Whether what float64 leaves in doubt is decided exactly.
     """
     clock = Clock()
+    geometry = view.geometry
     with clock("build"):
-        meshes = {kind: mesh_of(*kind) for kind in map(_kind, view.placements)}
+        meshes = geometry.once("raycast meshes", lambda: meshes_of(geometry))
     with clock("prepare"):
-        world = _world(view, meshes)
+        world = geometry.once("raycast world", lambda: world_of(geometry, meshes))
         # Touch the memory now: the first touch of a page takes longer than what is computed in it.
         room, size = _room(world.members), (view.height, view.width)
         face, depth = np.full(size, -1, np.int32), np.full(size, np.inf)
-    with clock("render"), threads_apart():
+    with clock("render"):
         rows = clip_matrices(view)
         eye = eye_of(view, world, rows)
         caster = Caster(view, world, rows, eye, certified, (world.faces, face, depth))
@@ -125,24 +125,22 @@ class Mesh(NamedTuple):
 MeshKind = tuple[Shape, bool]
 """A shape, and whether its object is mirrored: the fans of its polygons then run the other way round."""
 
-_meshes: WeakKeyDictionary[Shape, dict[bool, Mesh]] = WeakKeyDictionary()
+
+def meshes_of(geometry: Geometry) -> dict[MeshKind, Mesh]:
+    """Build the hierarchies of all shapes, once for all their instances."""
+    return {kind: _mesh_of(*kind) for kind in dict.fromkeys(map(_kind, geometry))}
 
 
-def mesh_of(shape: Shape, mirrored: bool) -> Mesh:
-    """Build the hierarchy of a shape, once for all its instances and views."""
-    if shape.polygons is None:
+def _mesh_of(shape: Shape, mirrored: bool) -> Mesh:
+    polygons, box = shape.polygons, box_of(shape)
+    if polygons is None:
         corner, number, tree = (np.empty(size, np.int32) for size in ((0, 3), 0, (0, 2)))
-        return Mesh(np.empty((3, 0)), corner, number, tree, box_of(shape))
-    built = _meshes.setdefault(shape, {})
-    if mirrored not in built:
-        polygons, box = shape.polygons, box_of(shape)
-        if mirrored:
-            polygons = replace(polygons, corner=reversed_loops(polygons))
-        number, tree = hierarchy.tree_of(polygons.vertices, polygons.triangle_vertex, box, LEAF)
-        corner = np.take(polygons.triangle_vertex, number, axis=0)
-        vertices = np.ascontiguousarray(polygons.vertices.T)
-        built[mirrored] = Mesh(vertices, corner, number, tree, box)
-    return built[mirrored]
+        return Mesh(np.empty((3, 0)), corner, number, tree, box)
+    if mirrored:
+        polygons = replace(polygons, corner=reversed_loops(polygons))
+    number, tree = hierarchy.tree_of(polygons.vertices, polygons.triangle_vertex, box, LEAF)
+    corner = np.take(polygons.triangle_vertex, number, axis=0)
+    return Mesh(np.ascontiguousarray(polygons.vertices.T), corner, number, tree, box)
 
 
 def _kind(placement: Placement) -> MeshKind:
@@ -156,18 +154,18 @@ def box_of(shape: Shape) -> Floats:
     return hierarchy.box_of(cast(Polygons, shape.polygons).vertices)
 
 
-# ---------------------------------------------------------------- once a view
+# ---------------------------------------------------------------- once a scene
 
 
 class World(NamedTuple):
-    """The objects of a view.
+    """The objects of a scene.
 
     Attributes
     ----------
     shapes : Shapes
         The data of all meshes, one after the other.
     members : (n,) MEMBER
-        The objects, with no place on the screen yet.
+        The objects, with no place on the screen and no quadric yet.
     box : (n, 2, 3) float64
         Opposite corners of the boxes around them, object space.
     faces : (pieces,) int32
@@ -180,7 +178,7 @@ class World(NamedTuple):
     faces: Ints
 
 
-def _world(view: View, meshes: dict[MeshKind, Mesh]) -> World:
+def world_of(geometry: Geometry, meshes: dict[MeshKind, Mesh]) -> World:
     """Join the data of all meshes, and say of each object where its own is."""
     sizes = np.array([[mesh.vertices.shape[1], len(mesh.corner), len(mesh.tree)] for mesh in meshes.values()])
     described = np.zeros(len(meshes), MEMBER)
@@ -188,16 +186,16 @@ def _world(view: View, meshes: dict[MeshKind, Mesh]) -> World:
     described["vertex"], described["triangle"], described["node"] = (np.cumsum(sizes, axis=0) - sizes).T
 
     place = {kind: k for k, kind in enumerate(meshes)}
-    which = [place[_kind(placement)] for placement in view.placements]
+    which = [place[_kind(one)] for one in geometry]
     members = described[which]
     members["object"] = np.arange(len(members))
-    members["cull"] = [placement.cull for placement in view.placements]
-    members["piece"] = first_pieces(view)[:-1]
+    members["cull"] = [one.cull for one in geometry]
+    members["piece"] = first_pieces(geometry)[:-1]
     members["quadric"] = NO_QUADRIC
     points, *shapes, boxes = zip(*meshes.values(), strict=True)
     vertices = _joined(points, axis=1)
     corner, number, tree = (_joined(parts) for parts in shapes)
-    return World((vertices, corner, number, tree), members, np.array(boxes)[which], _faces(view))
+    return World((vertices, corner, number, tree), members, np.array(boxes)[which], _faces(geometry))
 
 
 def _joined(parts: Sequence[Array], axis: int = 0) -> Array:
@@ -205,10 +203,10 @@ def _joined(parts: Sequence[Array], axis: int = 0) -> Array:
     return parts[0] if len(parts) == 1 else np.concatenate(parts, axis)
 
 
-def _faces(view: View) -> Ints:
+def _faces(geometry: Geometry) -> Ints:
     """Return the face of each piece."""
-    own = {placement.shape: _faces_of(placement.shape) for placement in view.placements}
-    return np.concatenate([own[placement.shape] + np.int32(placement.first) for placement in view.placements])
+    own = {one.shape: _faces_of(one.shape) for one in geometry}
+    return np.concatenate([own[one.shape] + np.int32(one.first) for one in geometry])
 
 
 def _faces_of(shape: Shape) -> Ints:
@@ -231,8 +229,7 @@ def _room(members: Array) -> Room:
 
 def clip_matrices(view: View) -> Floats:
     """Return the matrices (n, 3, 4) that carry the objects' points (x, y, z, 1) to clip space (x, y, d)."""
-    matrices = np.array([placement.world_from_object for placement in view.placements])
-    return np.asarray(clip_rows(view.clip_from_world, view.depth_row) @ matrices)
+    return np.asarray(clip_rows(view.clip_from_world, view.depth_row) @ view.geometry.matrices)
 
 
 def eye_of(view: View, world: World, rows: Floats) -> Eye:
@@ -242,7 +239,7 @@ def eye_of(view: View, world: World, rows: Floats) -> Eye:
     is a sum of three products and an offset, and depth is taken for w: fewer than sixteen roundings, each of
     at most the sum of the magnitudes.
     """
-    matrices = abs(np.array([placement.world_from_object for placement in view.placements]))
+    matrices = abs(view.geometry.matrices)
     clip = abs(clip_rows(view.clip_from_world, view.depth_row))
     bound = (clip + SMALL) @ matrices + SMALL
     size = (bound[:, :, :3] @ abs(world.box).max(axis=1)[:, :, None])[:, :, 0] + bound[:, :, 3]
@@ -294,7 +291,6 @@ def _cast(caster: Caster, room: Room) -> tuple[Array, Array]:
     extent, seen = _extents(caster)
     members = caster.world.members
     curved = np.flatnonzero(seen & (members["nodes"] == 0))
-    members["quadric"][curved] = np.arange(len(curved))
     quadrics = quadrics_of(caster.view, curved, members["piece"][curved], extent[curved, :4], caster.eye)
 
     order = np.argsort(extent[:, 4], kind="stable")
@@ -304,7 +300,10 @@ def _cast(caster: Caster, room: Room) -> tuple[Array, Array]:
     for chosen in batches:
         if kept is not None:
             chosen = chosen[casting.may_show(extent[chosen], _gap(caster), kept[1])]
-        laid = _lay_out(caster, members[chosen], extent[chosen], room)
+        batch = members[chosen]
+        of_curved = batch["nodes"] == 0
+        batch["quadric"][of_curved] = np.searchsorted(curved, chosen[of_curved])
+        laid = _lay_out(caster, batch, extent[chosen], room)
         for noted, counts in _cast_batch(caster, laid, (quadrics, _loose(caster, laid)), kept):
             found.append(noted)
             total += counts

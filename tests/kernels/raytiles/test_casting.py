@@ -24,8 +24,7 @@ SEEDS = [seed for seed in range(120 if JIT else 16) if seed % 4]
 def laid_out(seed):
     """Lay out all objects of an adversarial view, and return the view's eye, its meshes, and their place."""
     view = adversarial(seed)
-    meshes = {(p.shape, p.mirrored): tiles_of_rays.mesh_of(p.shape, p.mirrored) for p in view.placements}
-    world = tiles_of_rays._world(view, meshes)
+    world = tiles_of_rays.world_of(view.geometry, tiles_of_rays.meshes_of(view.geometry))
     rows = tiles_of_rays.clip_matrices(view)
     eye = tiles_of_rays.eye_of(view, world, rows)
     caster = tiles_of_rays.Caster(view, world, rows, eye, True, (world.faces, None, None))
@@ -96,8 +95,9 @@ def holds(extent, corners, eye):
 def test_numbers_are_those_of_the_pieces(seed):
     """The hierarchy turns the fans of mirrored objects as the exact decisions do, and loses no triangle."""
     view = adversarial(seed)
+    meshes = tiles_of_rays.meshes_of(view.geometry)
     for placement in view.placements:
-        mesh = tiles_of_rays.mesh_of(placement.shape, placement.mirrored)
+        mesh = meshes[placement.shape, placement.mirrored]
         assert sorted(mesh.number) == list(range(len(mesh.corner)))
         first = view.placements.index(placement)
         fans = view.polygons.triangle_vertex

@@ -35,9 +35,7 @@ def alone(seed: int) -> tuple[View, str]:
 
 def prepared(seen: View):
     """Return the quadric of a view, and its eye."""
-    world = ray_tiles._world(
-        seen, {ray_tiles._kind(p): ray_tiles.mesh_of(*ray_tiles._kind(p)) for p in seen.placements}
-    )
+    world = ray_tiles.world_of(seen.geometry, ray_tiles.meshes_of(seen.geometry))
     eye = ray_tiles.eye_of(seen, world, ray_tiles.clip_matrices(seen))
     box = np.array([[0.0, seen.width, 0.0, seen.height]])
     return quadrics.quadrics_of(seen, np.array([0]), np.array([0]), box, eye)[0], eye
