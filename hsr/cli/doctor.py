@@ -1,4 +1,4 @@
-"""What this machine has of what the methods need, and what to install."""
+"""The command ``hsr doctor``: what this machine has of what the methods need, and what to install."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from collections.abc import Iterator
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
-from hsr.algorithms.registry import render
+import hsr
 from hsr.base.errors import HsrError
-from hsr.problem.view import view
-from hsr.scene.model import Scene
+from hsr.cli import options as opt
+from hsr.cli.console import tell
 
 PACKAGES = (
     "hsr-lab",
@@ -42,6 +42,12 @@ SCENE = {
     ],
 }
 """A cube that a wall cuts through: some faces hide others, and two surfaces meet."""
+
+
+def doctor(as_json: opt.Json = False) -> None:
+    """Try every OpenGL backend and optional library, and say what to install."""
+    found = diagnose()
+    tell(as_json, found, lines(found))
 
 
 def diagnose() -> dict[str, Any]:
@@ -118,29 +124,21 @@ def probe(backend: str) -> dict[str, Any]:
         different, samples = _compared(backend)
     except HsrError as error:
         return {"draws": False, "problem": str(error)}
-    return {
-        "draws": True,
-        "renderer": context.renderer,
-        "version": context.version,
-        "subpixel_bits": context.subpixel_bits,
-        "depth_bits": D24.bits,
-        "max_side": context.max_side,
-        "threads": context.threads,
-        "different": different,
-        "samples": samples,
-    }
+    told = {name: getattr(context, name) for name in ("renderer", "version", "subpixel_bits")}
+    told |= {"depth_bits": D24.bits, "max_side": context.max_side, "threads": context.threads}
+    return {"draws": True, **told, "different": different, "samples": samples}
 
 
 def _compared(backend: str) -> tuple[int, int]:
     """Count the samples that differ from zbuffer's, and all samples."""
-    seen = view(Scene.model_validate(SCENE), SIZE)
-    drawn = render(seen, "opengl", backend=backend)
-    ours = render(seen, "zbuffer")
+    seen = hsr.view(hsr.Scene.model_validate(SCENE), SIZE)
+    drawn, ours = hsr.render(seen, "opengl", backend=backend), hsr.render(seen, "zbuffer")
     return int((drawn.face != ours.face).sum()), drawn.face.size
 
 
 def _probe_apart(backend: str) -> dict[str, Any]:
-    command = [sys.executable, "-m", "hsr.cli.doctor", backend]
+    code = f"import json, hsr.cli.doctor as d; print(json.dumps(d.probe({backend!r})))"
+    command = [sys.executable, "-c", code]
     try:
         run = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
     except subprocess.TimeoutExpired:
@@ -197,7 +195,3 @@ def _apt_knows(package: str) -> bool:
     """Whether apt can install a package; OSMesa left Mesa with version 25.1."""
     found = subprocess.run(["apt-cache", "show", package], capture_output=True, check=False)
     return found.returncode == 0
-
-
-if __name__ == "__main__":
-    print(json.dumps(probe(sys.argv[1])))

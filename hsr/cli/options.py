@@ -1,4 +1,4 @@
-"""What the commands have in common: options, exit codes, and how sizes and files are checked."""
+"""What the commands have in common: options, exit codes, and how sizes, samples and files are checked."""
 
 from __future__ import annotations
 
@@ -8,19 +8,32 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+import hsr
 from hsr.base.errors import HsrError
 
 ALL = "all"
 """In place of the name of a method: every one there is."""
 
-DIFFERS, USAGE, MISSING = 1, 2, 3
-"""Exit codes: something differs, usage or input, a method asked for by name is missing."""
+DIFFERS, USAGE, MISSING, MISTAKE = 1, 2, 3, 70
+"""Exit codes: something differs, usage or input, a method asked for by name is missing, a mistake of ours."""
+
+
+def output(about: str, **more: Any) -> Any:
+    """Return the option of where to write."""
+    return typer.Option("--output", "-o", help=about, **more)
+
 
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes.")]
+Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Also print work counts and clusters.")]
 Methods = Annotated[
     list[str] | None, typer.Option("--method", "-a", help="Method, repeatable; 'hsr algos' lists them.")
 ]
+Size = Annotated[str, typer.Option("--size", help="Image size in pixels, WxH or N.")]
+CameraName = Annotated[str | None, typer.Option("--camera", help="Camera; the scene's first by default.")]
+SceneFile = Annotated[Path, typer.Argument(help="Scene or mesh file.")]
+SceneOutput = Annotated[Path | None, output("Scene to write, .toml; standard output by default.")]
+Sample = Annotated[str, typer.Argument(metavar="X,Y", help="Column and row, counted from 0 at the top left.")]
 
 
 class RunByDefault(TyperGroup):
@@ -46,6 +59,25 @@ def parse_size(text: str) -> tuple[int, int]:
         return int(width), int(height or width)
     except ValueError:
         raise typer.BadParameter(f"--size {text!r}: write WIDTHxHEIGHT, such as 640x480") from None
+
+
+def parse_sample(text: str, view: hsr.View) -> tuple[int, int]:
+    """Read X,Y: column and row of a sample of a view.
+
+    Raises
+    ------
+    HsrError
+        If it is written in another way, or lies outside the image.
+    """
+    from hsr.difference.nearby import check_sample
+
+    x, _, y = text.partition(",")
+    try:
+        column, row = int(x), int(y)
+    except ValueError:
+        raise HsrError(f"sample {text!r}: write COLUMN,ROW, such as 311,204") from None
+    check_sample(view, row, column)
+    return column, row
 
 
 def check_folder(output: Path | None) -> None:

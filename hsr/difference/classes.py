@@ -5,7 +5,6 @@ Maps are compared by face id and by depth, never by colour: two faces may well b
 
 from __future__ import annotations
 
-import importlib
 import math
 from dataclasses import dataclass
 from enum import IntEnum
@@ -17,6 +16,8 @@ from scipy import ndimage
 
 from hsr.base.arrays import Array, Bools, Floats, Ints, Pixels
 from hsr.base.errors import MapError
+from hsr.pictures.maps import class_picture
+from hsr.pictures.palette import CLASS_COLOURS
 from hsr.problem.map import BACKGROUND, VisibilityMap, depth_format
 
 LISTED_JSON = 50
@@ -194,9 +195,20 @@ class Difference:
 
     def _repr_html_(self) -> str:
         """Show the difference in a notebook."""
-        # By name: pages stand above differences, and nobody but a notebook asks for one.
-        html: str = importlib.import_module("hsr.pages.notebook").difference_html(self)
-        return html
+        from hsr.pictures.notebook import figure  # Pillow and its like are for pictures only
+
+        return figure(self.picture(), f"where {self.a.method} differs from {self.b.method}", str(self))
+
+    def picture(self) -> Pixels:
+        """Paint where another owner is shown, small: a wrong face before what is missing or extra.
+
+        Returns
+        -------
+        (h, w, 4) uint8
+            See :func:`hsr.pictures.maps.class_picture`.
+        """
+        colours = {int(kind): CLASS_COLOURS[kind.label] for kind in OTHER_OWNER}
+        return class_picture(self.classes, self.b.face != BACKGROUND, colours)
 
     def _headline(self) -> str:
         size = f"{self.a.width}x{self.a.height}"

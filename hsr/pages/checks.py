@@ -11,10 +11,12 @@ import numpy as np
 from PIL import Image
 
 from hsr.base.files import write_whole
-from hsr.pages.inspection import Shown, inspection, key
-from hsr.pages.page import HELP, part, policy, style, templates
-from hsr.pages.pictures import class_picture, data_uri, opaque
-from hsr.pages.shading import face_picture, shade
+from hsr.pages.frame import page, style
+from hsr.pages.inspector import HELP, inspection, key
+from hsr.pages.shading import shade
+from hsr.pages.stories import Shown
+from hsr.pictures.maps import face_picture
+from hsr.pictures.png import data_uri
 
 DIGITS = 50_000
 """How many digits the histories of a failed check may have: 20 kB and half a second, however many fail."""
@@ -54,24 +56,19 @@ def write_page(
             found |= {"thumbs": kept["thumbs"], "scene": len(data)}
             data.append(kept["scene"])
         shown.append(found)
-    sheet, scripts = style("inspector.css", "checks.css"), (part("viewer.js"), part("decisions.js"))
-    text = (
-        templates()
-        .get_template("checks.html")
-        .render(
-            title="Visibility checks",
-            checks=shown,
-            failed=[check for check in shown if not check["passed"]],
-            passed=[check for check in shown if check["passed"]],
-            run=run,
-            unused=unused,
-            help=HELP,
-            key=key() if data else None,
-            data=data,
-            style=sheet,
-            scripts=scripts,
-            policy=policy(sheet, *scripts),
-        )
+    text = page(
+        "checks",
+        "Visibility checks",
+        style("inspector.css", "checks.css"),
+        ["viewer.js", "decisions.js"] if data else ["decisions.js"],
+        checks=shown,
+        failed=[check for check in shown if not check["passed"]],
+        passed=[check for check in shown if check["passed"]],
+        run=run,
+        unused=unused,
+        help=HELP,
+        key=key() if data else None,
+        data=data,
     )
     write_whole(path, text, "the page")
 
@@ -92,10 +89,10 @@ def inspected(shown: Shown) -> dict[str, Any]:
     """
     base = shown.reference or next(iter(shown.maps))
     map = shown.maps[base]
-    picture = face_picture(map) if shown.view is None else shade(map, shown.view)
-    thumbs = [(base, "faces" if shown.view is None else "picture", data_uri(opaque(picture)))]
+    picture = face_picture(map.face) if shown.view is None else shade(map, shown.view)
+    thumbs = [(base, "faces" if shown.view is None else "picture", data_uri(picture))]
     for name, difference in shown.differences.items():
-        thumbs.append((name, "where it differs", data_uri(class_picture(difference))))
+        thumbs.append((name, "where it differs", data_uri(difference.picture())))
     return {"scene": inspection(shown, DIGITS), "thumbs": thumbs}
 
 
@@ -104,4 +101,4 @@ def _pictures(check: Mapping[str, Any], folder: Path) -> list[tuple[str, str]]:
     if not check["weaker"] or check["passed"]:
         return []
     files = {what: folder / check[what] for what in ("expected", "shown")}
-    return [(what, data_uri(opaque(np.asarray(Image.open(file))))) for what, file in files.items()]
+    return [(what, data_uri(np.asarray(Image.open(file)))) for what, file in files.items()]

@@ -17,8 +17,10 @@ from hsr.base.files import write_whole
 from hsr.difference.classes import OTHER_OWNER, compare
 from hsr.difference.study import Study, study
 from hsr.models.stages import Cause
-from hsr.pages.page import policy, style, templates
-from hsr.pages.shading import depth_picture, face_picture, save_picture, shade
+from hsr.pages.frame import page, style
+from hsr.pages.shading import shade
+from hsr.pictures.maps import depth_picture, face_picture
+from hsr.pictures.png import save_picture
 from hsr.problem.view import view
 from hsr.scene.model import MatrixCamera, Scene
 
@@ -102,12 +104,8 @@ def write_gallery(
         shown.append(Shown(name, measured, name in turning))
     save_picture(overview(list(scenes.values())), folder / "overview.png")
     sheet = style("gallery.css")
-    page = (
-        templates()
-        .get_template("gallery.html")
-        .render(shown=shown, size=size, style=sheet, policy=policy(sheet, images="'self' file:"))
-    )
-    write_whole(folder / "index.html", page, "the gallery")
+    text = page("gallery", "The scenes", sheet, images="'self' file:", shown=shown, size=size)
+    write_whole(folder / "index.html", text, "the gallery")
 
 
 # ---------------------------------------------------------------- turning
@@ -165,7 +163,7 @@ def _column(scene: Scene) -> list[Pixels]:
     shaded = shade(answer, seen)
     wrong: Pixels = 255 - (255 - shaded) // 4
     wrong[np.isin(compare(culled, render(seen, "zbuffer")).classes, OTHER_OWNER)] = WRONG
-    return [shaded, face_picture(answer), depth_picture(answer), wrong]
+    return [shaded, face_picture(answer.face), depth_picture(answer.depth), wrong]
 
 
 def _padded(picture: Array) -> Pixels:

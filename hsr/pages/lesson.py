@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import base64
-import json
-import zlib
 from collections.abc import Mapping
 from pathlib import Path
 
 from hsr.base.files import write_whole
 from hsr.lessons.lesson import lesson_of
 from hsr.lessons.topics import Topic
-from hsr.pages.page import part, policy, style, templates
+from hsr.pages.frame import page, style
+from hsr.pages.packing import pack_json
 from hsr.scene.model import Scene
 
 
@@ -30,22 +28,11 @@ def write_lesson(topic: Topic, path: str | Path, scene: Scene | None = None) -> 
     HsrError
         If the scene is too large to be recorded, or the file cannot be written.
     """
-    recording = json.dumps(lesson_of(topic, scene), ensure_ascii=False, separators=(",", ":"))
-    packed = zlib.compress(recording.encode("utf-8"), 9)
-    sheet, script = style("lesson.css"), part("lesson.js")
-    page = (
-        templates()
-        .get_template("lesson.html")
-        .render(
-            title=topic.title,
-            lead=topic.lead,
-            recording=base64.b64encode(packed).decode("ascii"),
-            style=sheet,
-            script=script,
-            policy=policy(sheet, script),
-        )
+    recording = pack_json(lesson_of(topic, scene))
+    text = page(
+        "lesson", topic.title, style("lesson.css"), ["lesson.js"], lead=topic.lead, recording=recording
     )
-    write_whole(path, page, "the lesson")
+    write_whole(path, text, "the lesson")
 
 
 def write_course(course: Mapping[str, Topic], folder: str | Path) -> None:
@@ -65,6 +52,6 @@ def write_course(course: Mapping[str, Topic], folder: str | Path) -> None:
     """
     for name, topic in course.items():
         write_lesson(topic, Path(folder, f"{name}.html"))
-    sheet = style("course.css")
-    page = templates().get_template("course.html").render(course=course, style=sheet, policy=policy(sheet))
-    write_whole(Path(folder, "index.html"), page, "the list of lessons")
+    title = "Which surface does the eye see? A course"
+    text = page("course", title, style("course.css"), course=course)
+    write_whole(Path(folder, "index.html"), text, "the list of lessons")

@@ -3,29 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from io import BytesIO
-from pathlib import Path
 from typing import cast
 
 import numpy as np
-from matplotlib.colors import hsv_to_rgb
-from PIL import Image
 
 from hsr.base.arrays import Array, Floats, Ints, Pixels
 from hsr.base.errors import HsrError
-from hsr.base.files import write_whole
+from hsr.pictures.palette import to_bytes
 from hsr.problem.map import BACKGROUND, VisibilityMap
 from hsr.problem.view import Placement, View
 from hsr.scene.model import Ambient, Directional, Light
 from hsr.scene.shapes import Polygons
-
-NEUTRAL = 236
-"""Grey of the background in a picture of faces, which no face is painted with."""
-
-PLASTIC = 1.324717957244746
-"""The plastic number, the real root of x^3 = x + 1."""
-
-# ---------------------------------------------------------------- shaded picture
 
 
 def shade(map: VisibilityMap, view: View) -> Pixels:
@@ -69,7 +57,7 @@ def shade(map: VisibilityMap, view: View) -> Pixels:
         normal[_dot(normal, sight) > 0.0] *= -1.0
         intensity = _light(view.lights, point, normal, sight)
         picture[rows, columns] = _encode(_decode(colour) * intensity)
-    return _bytes(picture)
+    return to_bytes(picture)
 
 
 def facing(map: VisibilityMap, view: View) -> Array:
@@ -193,96 +181,3 @@ def _encode(linear: Floats) -> Floats:
     """Return the sRGB values of linear intensities, those above 1 cut off (IEC 61966-2-1)."""
     linear = np.minimum(linear, 1.0)
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1.0 / 2.4) - 0.055)
-
-
-def _bytes(values: Floats) -> Pixels:
-    return np.rint(255.0 * values).astype(np.uint8)
-
-
-# ---------------------------------------------------------------- pictures of the map itself
-
-
-def face_colours(face: Array) -> Pixels:
-    """Colour of each face id, such that ids near each other look unlike.
-
-    Neighbouring faces mostly have ids that differ by little, or by the length of a mesh's row. Hue
-    and brightness follow the additive recurrence of the plastic number in two dimensions: like the
-    golden angle in one, it keeps any k multiples in a row about as far apart as k points can be. A
-    golden angle alone would paint ids 13 or 21 apart almost alike. The background is a neutral grey.
-
-    Parameters
-    ----------
-    face : (n,) int
-        ``-1`` is the background.
-
-    Returns
-    -------
-    (n, 3) uint8
-        sRGB.
-    """
-    hue = face / PLASTIC**2 % 1.0
-    value = 0.55 + 0.4 * (face / PLASTIC % 1.0)
-    colours = _bytes(hsv_to_rgb(np.stack([hue, np.full_like(hue, 0.5), value], axis=-1)))
-    return np.where((face == BACKGROUND)[:, None], np.uint8(NEUTRAL), colours)
-
-
-def face_picture(map: VisibilityMap) -> Pixels:
-    """Paint every face in a colour of its own; see :func:`face_colours`.
-
-    Parameters
-    ----------
-    map : VisibilityMap
-
-    Returns
-    -------
-    (H, W, 3) uint8
-        sRGB, row 0 at the top.
-    """
-    seen, which = np.unique(map.face, return_inverse=True)
-    return face_colours(seen)[which.reshape(map.face.shape)]
-
-
-def depth_picture(map: VisibilityMap, span: tuple[float, float] | None = None) -> Pixels:
-    """Paint depths as greys: the nearest light, the farthest dark, the background black.
-
-    Parameters
-    ----------
-    map : VisibilityMap
-    span : (nearest, farthest), optional
-        Depths in scene units that become the lightest and the darkest grey; by default those of
-        the map (:func:`depth_span`). Give one span to pictures that are to be compared.
-
-    Returns
-    -------
-    (H, W) uint8
-        Grey, row 0 at the top.
-    """
-    nearest, farthest = span or depth_span(map)
-    seen = np.isfinite(map.depth)
-    extent = max(farthest - nearest, np.finfo(np.float64).tiny)
-    share = np.clip((np.where(seen, map.depth, farthest) - nearest) / extent, 0.0, 1.0)
-    return np.where(seen, _bytes(0.95 - 0.75 * share), np.uint8(0))
-
-
-def depth_span(map: VisibilityMap) -> tuple[float, float]:
-    """Return the least and the greatest finite depth, in scene units; (0, 1) for an empty map."""
-    seen = map.depth[np.isfinite(map.depth)]
-    return (float(seen.min()), float(seen.max())) if len(seen) else (0.0, 1.0)
-
-
-def save_picture(picture: Pixels, path: str | Path) -> None:
-    """Write a picture as PNG.
-
-    Parameters
-    ----------
-    picture : (H, W) or (H, W, 3) uint8
-    path : str or Path
-
-    Raises
-    ------
-    HsrError
-        If the file cannot be written.
-    """
-    file = BytesIO()
-    Image.fromarray(picture).save(file, format="PNG", optimize=True)
-    write_whole(path, file.getvalue(), "the picture")

@@ -14,7 +14,7 @@ from hsr.lab.stability.family import GROUPS
 from hsr.lab.stability.judge import FINE, Result
 from hsr.lab.stability.plots import chart
 from hsr.lab.stability.summary import headline, matrix, number
-from hsr.pages.page import style, templates
+from hsr.pages.frame import style, templates
 
 
 def write_folder(results: Sequence[Result], folder: Path) -> list[Path]:

@@ -1,1 +1,1 @@
-"""Arrays in, pictures out."""
+"""Arrays in, pictures out: small PNG files, their colours, charts, and what a notebook shows."""

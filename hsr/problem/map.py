@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 import time
 from bisect import bisect_right
@@ -162,9 +161,9 @@ class VisibilityMap:
 
     def _repr_html_(self) -> str:
         """Show the map in a notebook."""
-        # By name: pages stand far above maps, and nobody but a notebook asks for one.
-        html: str = importlib.import_module("hsr.pages.notebook").map_html(self)
-        return html
+        from hsr.pictures.notebook import map_figure  # Pillow and its like are for pictures only
+
+        return map_figure(self.method, self.face, self.depth)
 
     def save(self, path: str | Path) -> None:
         """Write the map as ``.npz``: the same answer gives the same bytes.

@@ -69,8 +69,6 @@ def compared(picture: Pixels, reference: Pixels, min_similarity: float) -> Alike
     if picture.ndim not in (2, 3) or min(picture.shape[:2]) < WINDOW:
         raise CheckError(f"pictures must be (H, W) or (H, W, 3), {WINDOW} pixels or more a side")
     axis = None if picture.ndim == 2 else -1
-    similarity = structural_similarity(  # type: ignore[no-untyped-call]
-        picture, reference, win_size=WINDOW, channel_axis=axis
-    )
+    similarity = structural_similarity(picture, reference, win_size=WINDOW, channel_axis=axis)
     other = (picture != reference).reshape(*picture.shape[:2], -1).any(axis=-1)
     return Alike(float(similarity), int(np.count_nonzero(other)), min_similarity)

@@ -12,9 +12,9 @@ from typing import Any
 from hsr.base.arrays import Pixels
 from hsr.base.errors import CheckError, VisibilityError
 from hsr.pages.checks import inspected
-from hsr.pages.inspection import Shown
-from hsr.pages.page import fragment
-from hsr.pages.shading import save_picture
+from hsr.pages.inspector import fragment
+from hsr.pages.stories import Shown
+from hsr.pictures.png import save_picture
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View
 from hsr.scene.model import Mesh, Scene

@@ -12,7 +12,7 @@ import hsr
 from hsr.base.arrays import Array
 from hsr.difference.classes import compare
 from hsr.difference.study import Study, study
-from hsr.pages.page import write_report
+from hsr.pages.report import write_report
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View
 from hsr.scene.model import Scene

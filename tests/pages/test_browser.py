@@ -20,9 +20,9 @@ from hsr.cli.app import app
 from hsr.difference.classes import SampleClass
 from hsr.difference.study import Study
 from hsr.models.stages import Cause
-from hsr.pages.page import HELP, fragment, write_report
-from hsr.pages.pictures import CAUSE_COLOURS, CLASS_COLOURS
-from hsr.pages.shading import face_colours
+from hsr.pages.inspector import HELP, fragment
+from hsr.pages.report import write_report
+from hsr.pictures.palette import CAUSE_COLOURS, CLASS_COLOURS, face_colours
 
 playwright = pytest.importorskip("playwright.sync_api")
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -233,7 +233,7 @@ def test_class_and_cause_maps_have_the_colours_of_the_legend(visit: Any, real: S
         assert words in text(tab, "legend")
         colours = {tuple(colour) for colour in shot(tab, ".stage", 1).reshape(-1, 3).tolist()}
         name = SampleClass.WRONG_FACE if key == "m" else Cause.DEPTH_FORMAT
-        assert signs[name] in colours  # type: ignore[index]
+        assert signs[name.label] in colours
 
 
 # ---------------------------------------------------------------- keys

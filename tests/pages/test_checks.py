@@ -17,8 +17,8 @@ import hsr
 from hsr.difference.classes import compare
 from hsr.difference.study import Study
 from hsr.pages.checks import inspected, write_page
-from hsr.pages.inspection import Shown
-from hsr.pages.page import fragment
+from hsr.pages.inspector import fragment
+from hsr.pages.stories import Shown
 from hsr.problem.map import VisibilityMap
 from hsr.testing.recording import Check
 from tests.pages.policies import assert_strict

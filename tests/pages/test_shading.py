@@ -3,24 +3,14 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from PIL import Image
 
 import hsr
 from hsr.base.errors import HsrError
-from hsr.pages.shading import (
-    depth_picture,
-    depth_span,
-    face_colours,
-    face_picture,
-    facing,
-    save_picture,
-    shade,
-)
+from hsr.pages.shading import facing, shade
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View
 from hsr.scene.model import Scene
@@ -183,58 +173,3 @@ def test_map_and_view_must_have_one_size() -> None:
     answer = VisibilityMap(np.zeros((2, 3), np.int32), np.ones((2, 3)), "by hand")
     with pytest.raises(HsrError, match="cannot shade a 3x2 map with a 1x1 view"):
         shade(answer, seen(CUBE, [0.0, 0.0, 5.0], []))
-
-
-# ---------------------------------------------------------------- faces and depth
-
-
-def test_neighbouring_ids_look_unlike() -> None:
-    colours = face_colours(np.arange(1000)).astype(int)
-    for apart in (*range(1, 12), 13, 21, 34):
-        assert abs(colours[apart:] - colours[:-apart]).max(axis=1).min() >= 14, apart
-
-
-def test_no_face_looks_like_the_background() -> None:
-    neutral, *rest = face_colours(np.arange(-1, 5000)).astype(int)
-    assert len(set(neutral)) == 1
-    assert (np.ptp(rest, axis=1) > 40).all()
-
-
-def test_face_picture_paints_by_id_alone() -> None:
-    face = np.array([[-1, 3], [3, 70_000]], np.int32)
-    picture = face_picture(VisibilityMap(face, np.where(face < 0, np.inf, 1.0), "by hand"))
-    assert picture.shape == (2, 2, 3) and picture.dtype == np.uint8
-    assert np.array_equal(picture.reshape(4, 3), face_colours(face.ravel()))
-    assert (picture[0, 1] == picture[1, 0]).all() and (picture[0, 1] != picture[1, 1]).any()
-
-
-def depths(values: list[float]) -> VisibilityMap:
-    depth = np.array([values])
-    return VisibilityMap(np.where(np.isinf(depth), -1, 0).astype(np.int32), depth, "by hand")
-
-
-def test_depth_picture_is_light_near_and_black_where_nothing_is() -> None:
-    near, middle, far, nothing = depth_picture(depths([1.0, 2.0, 3.0, math.inf]))[0]
-    assert near > middle > far > nothing == 0
-
-
-def test_depth_pictures_of_one_span_agree() -> None:
-    first, second = depths([1.0, 5.0]), depths([2.0, 5.0])
-    span = depth_span(first)
-    assert span == (1.0, 5.0)
-    assert depth_picture(first, span)[0, 1] == depth_picture(second, span)[0, 1]
-    assert depth_picture(first, span)[0, 0] > depth_picture(second, span)[0, 0]
-
-
-def test_depth_picture_of_flat_and_empty_maps() -> None:
-    assert depth_picture(depths([2.0, 2.0])).tolist() == [[242, 242]]
-    assert depth_picture(depths([math.inf])).tolist() == [[0]]
-
-
-def test_save_picture(tmp_path: Path) -> None:
-    picture = np.arange(12, dtype=np.uint8).reshape(2, 2, 3)
-    save_picture(picture, tmp_path / "a.png")
-    with Image.open(tmp_path / "a.png") as image:
-        assert np.array_equal(np.asarray(image), picture)
-    with pytest.raises(HsrError, match=r"none/a\.png: cannot write the picture"):
-        save_picture(picture, tmp_path / "none/a.png")

@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 import pytest
 
 from hsr.difference.study import Study
-from tests.pages.test_pictures import decoded
+from tests.pictures.test_png import decoded
 
 
 def test_a_map_shows_its_faces_and_figures(studied: Study) -> None:

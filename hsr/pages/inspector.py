@@ -7,36 +7,25 @@ than rounding explains. Elsewhere its depths are given as those of the base.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from itertools import zip_longest
-from typing import Any, NamedTuple
+from collections.abc import Mapping
+from typing import Any
+from urllib.parse import urlencode
 
 import numpy as np
-from scipy import ndimage
 
 from hsr.base.arrays import Array, Floats, Ints
-from hsr.base.errors import MapError, ViewError
-from hsr.difference.cause import Causes, causes
-from hsr.difference.classes import OTHER_OWNER, Difference, SampleClass
-from hsr.difference.history import MISSED, Historian, History
+from hsr.difference.classes import SampleClass
+from hsr.difference.history import MISSED
 from hsr.difference.study import Study
-from hsr.models.stages import Cause
 from hsr.pages.outlines import outlines
 from hsr.pages.overlays import SMALLEST, Drawn
-from hsr.pages.packing import digits, pack, pack_alike, pack_json
-from hsr.pages.pictures import CAUSE_COLOURS, CLASS_COLOURS
-from hsr.pages.shading import depth_span, face_colours, facing
+from hsr.pages.packing import pack, pack_alike, pack_json
+from hsr.pages.shading import facing
+from hsr.pages.stories import DIGITS, Shown, stories
+from hsr.pictures.maps import depth_shares, depth_span
+from hsr.pictures.palette import CAUSE_COLOURS, CLASS_COLOURS, face_colours
 from hsr.problem.map import BACKGROUND, VisibilityMap
 from hsr.problem.view import View
-
-STORIES = 5000
-"""How many samples of a scene have their history in the page, at most: some seconds to tell."""
-
-DIGITS = 2_500_000
-"""How many digits the histories of a page may have, which take most of its bytes: 1 MB."""
-
-AT_ONCE = 500
-"""How many histories are told together."""
 
 CLUSTERS = 200
 """How many clusters of a method can be walked through."""
@@ -44,9 +33,31 @@ CLUSTERS = 200
 FARTHEST, EMPTY = 2**14 - 2, 2**14 - 1
 """Levels in which depths are kept for pictures: from 0 at the nearest to FARTHEST; EMPTY is no depth."""
 
-CLASS_LETTERS = " MEWDT"
-CAUSE_LETTERS = " TIRCSFADVNO?"
+CLASS_LETTERS = "MEWDT"
+CAUSE_LETTERS = "TIRCSFADVNO?"
 """What is written on samples zoomed in on, by class and by cause: colour is not all that tells them apart."""
+
+HELP = (
+    ("1 … 9", "method by its number, on the right"),
+    ("Shift+1 … Shift+9", "reference by its number, on the left"),
+    ("j k", "next and previous method"),
+    ("J K", "next and previous reference"),
+    ("t", "two pictures side by side, zoomed together"),
+    ("b", "blink; Space flips by hand"),
+    ("s o", "swipe, onion skin; , and . move the share of the method"),
+    ("i p z", "faces, shaded picture, depth"),
+    ("m c", "class map, cause map"),
+    ("Ctrl+← Ctrl+→", "the picture before, the next: faces, shaded, depth, classes, causes"),
+    ("n", "stretch the greys of depth over what is in view, and back"),
+    ("v", "next overlay: facing, depth complexity, face size, wireframe"),
+    ("← ↑ → ↓", "move by one sample, with Shift by ten"),
+    ("[ ]", "previous and next cluster of the method"),
+    ("g", "go to a sample: column, row"),
+    ("+ - f 0", "zoom in, out, fit, one pixel a sample"),
+    ("y", "count rows from the bottom, as OpenGL does, or from the top"),
+    ("? Escape", "this help; close"),
+)
+"""Keys of the inspector and what they do."""
 
 
 def key() -> dict[str, Any]:
@@ -63,8 +74,8 @@ def key() -> dict[str, Any]:
     from matplotlib import colormaps  # only pages need it, and it takes long to load
 
     return {
-        "classes": [None, *(_sign(kind, CLASS_LETTERS, CLASS_COLOURS[kind]) for kind in CLASS_COLOURS)],
-        "causes": [None, *(_sign(cause, CAUSE_LETTERS, CAUSE_COLOURS[cause]) for cause in CAUSE_COLOURS)],
+        "classes": _signs(CLASS_COLOURS, CLASS_LETTERS),
+        "causes": _signs(CAUSE_COLOURS, CAUSE_LETTERS),
         "facing": [(86, 140, 220), (214, 96, 40)],
         "ramp": np.rint(255 * colormaps["viridis"](np.linspace(0, 1, 64))[:, :3]).astype(int).tolist(),
         "farthest": FARTHEST,
@@ -74,34 +85,32 @@ def key() -> dict[str, Any]:
     }
 
 
-def _sign(kind: SampleClass | Cause, letters: str, colour: tuple[int, int, int]) -> dict[str, Any]:
-    return {"label": kind.label, "letter": letters[kind], "colour": colour}
+def _signs(colours: Mapping[str, Any], letters: str) -> list[dict[str, Any] | None]:
+    signs = zip(colours.items(), letters, strict=True)
+    return [None, *({"label": label, "letter": letter, "colour": rgb} for (label, rgb), letter in signs)]
 
 
-class Shown(NamedTuple):
-    """What the inspector can show besides a study: maps, whoever made them, of a view that may be unknown.
+def fragment(scene: str, method: str, sample: tuple[int, int] | None = None) -> str:
+    """Return the end of a report's address that opens the inspector at a sample.
 
-    Attributes
+    Parameters
     ----------
-    name : str
-    view : View or None
-        What the maps show; without it there are no edges, no overlays and no histories.
-    maps : mapping of str to VisibilityMap
-        One at least, by the name under which the page speaks of them.
-    reference : str or None
-        The one the others are judged against.
-    differences : mapping of str to Difference
-        Of the others from it.
-    causes : mapping of str to Causes
-        As far as they are known.
-    """
+    scene : str
+        The name of a study in the report.
+    method : str
+        What is shown beside the reference.
+    sample : (row, column), optional
+        Row 0 is the top row; without it the method's largest cluster is shown.
 
-    name: str
-    view: View | None
-    maps: Mapping[str, VisibilityMap]
-    reference: str | None
-    differences: Mapping[str, Difference]
-    causes: Mapping[str, Causes]
+    Returns
+    -------
+    str
+        ``#scene=teapot&method=opengl&x=311&y=204``: x is the column, y the row.
+    """
+    named = {"scene": scene, "method": method}
+    if sample is not None:
+        named |= {"x": str(sample[1]), "y": str(sample[0])}
+    return f"#{urlencode(named, safe='/')}"
 
 
 def inspection(study: Study | Shown, most: int = DIGITS) -> dict[str, Any]:
@@ -139,8 +148,7 @@ def inspection(study: Study | Shown, most: int = DIGITS) -> dict[str, Any]:
           lie beside one that does; ``untold``: what keeps histories from being told at all.
     """
     base = _Whole(study)
-    chosen, wanted = _order(study, STORIES)
-    stories = _stories(study, chosen, most)
+    told = stories(study, most)
     return {
         "name": study.name,
         "size": [base.map.width, base.map.height],
@@ -152,12 +160,12 @@ def inspection(study: Study | Shown, most: int = DIGITS) -> dict[str, Any]:
         "index": pack(base.index, 0),
         "span": base.span,
         "depth": pack(base.depth, 1, 0),
-        **_drawing(study.view, base, stories.faces),
+        **_drawing(study.view, base, told.faces),
         "methods": [_method(study, name, map, base) for name, map in study.maps.items()],
-        "told": pack(np.array(sorted(stories.parts), dtype=np.uint32), 0),
-        "stories": pack_alike(stories.parts[sample] for sample in sorted(stories.parts)),
-        "wanted": wanted,
-        "untold": stories.obstacle,
+        "told": pack(np.array(list(told.parts), dtype=np.uint32), 0),
+        "stories": pack_alike(told.parts.values()),
+        "wanted": told.wanted,
+        "untold": told.obstacle,
     }
 
 
@@ -180,7 +188,7 @@ class _Whole:
         self.map = study.maps[self.name]
         shown = [np.unique(map.face) for map in study.maps.values()]
         self.faces = np.unique(np.concatenate([[BACKGROUND], *shown])).astype(np.int32)
-        self.span = depth_span(self.map)
+        self.span = depth_span(self.map.depth)
         index, depth = self.of(self.map, np.arange(self.map.face.size))
         self.index, self.depth = index.reshape(self.map.face.shape), depth.reshape(self.map.face.shape)
 
@@ -193,11 +201,8 @@ class _Whole:
 
 def _levels(depth: Floats, span: tuple[float, float]) -> Array:
     """Share out the depths between the nearest and the farthest over the levels."""
-    nearest, farthest = span
-    extent = max(farthest - nearest, np.finfo(np.float64).tiny)
-    seen = np.isfinite(depth)
-    share = np.clip((np.where(seen, depth, nearest) - nearest) / extent, 0.0, 1.0)
-    return np.where(seen, np.rint(FARTHEST * share), EMPTY).astype(np.uint16)
+    share = depth_shares(depth, span)
+    return np.where(np.isnan(share), EMPTY, np.rint(FARTHEST * share)).astype(np.uint16)
 
 
 def _drawing(view: View | None, base: _Whole, told: Ints) -> dict[str, Any]:
@@ -238,85 +243,3 @@ def _method(study: Study | Shown, name: str, map: VisibilityMap, base: _Whole) -
         "causes": pack((none if why is None else why.cause).ravel()[samples]),
         "clusters": [[*cluster.sample, *cluster.box] for cluster in clusters],
     }
-
-
-# ---------------------------------------------------------------- histories
-
-
-class Stories(NamedTuple):
-    """Histories by number of their sample, the faces in them, and what keeps them from being told."""
-
-    parts: dict[int, Any]
-    faces: Ints
-    obstacle: str
-
-
-def _stories(study: Study | Shown, samples: Array, most: int) -> Stories:
-    """Tell the histories of samples in their order, as long as there are digits left."""
-    parts: dict[int, Any] = {}
-    faces: set[int] = set()
-    try:
-        for told in _histories(study, samples):
-            sample = told.row * told.size[0] + told.column
-            parts[sample] = told.parts()
-            faces |= {entry.layer.face for entry in told.entries}
-            most -= digits(parts[sample])
-            if most <= 0:
-                break
-    except (ViewError, MapError) as error:  # no exact answer, or maps of another scene
-        return Stories({}, np.zeros(0, np.int32), str(error))
-    return Stories(parts, np.array(sorted(faces), dtype=np.int32), "")
-
-
-def _histories(study: Study | Shown, samples: Array) -> Iterator[History]:
-    if study.view is None:
-        raise MapError("nothing says which scene the maps show")
-    causes_of = study.causes or _causes(study.view, study.maps)
-    known = {study.maps[name].method: why for name, why in causes_of.items()}
-    for first in range(0, len(samples), AT_ONCE):
-        some = samples[first : first + AT_ONCE].tolist()
-        yield from map(Historian(study.view, some, list(study.maps.values()), known).tell, some)
-
-
-def _causes(view: View, maps: Mapping[str, VisibilityMap]) -> dict[str, Causes]:
-    """Find the causes in whole maps, where a map that knows the truth is no reference but there."""
-    truth = next((map for map in maps.values() if map.admissible is not None), None)
-    if truth is None:
-        return {}
-    return {name: causes(view, map, truth) for name, map in maps.items() if map is not truth}
-
-
-DIFFERING = (*OTHER_OWNER, SampleClass.TIE)
-"""The classes whose samples have a story: another face is shown."""
-
-
-def _order(study: Study | Shown, most: int) -> tuple[Array, int]:
-    """Choose the samples whose history is told.
-
-    The methods take turns: each names its clusters, the largest first, then its other samples, spread over
-    the image. Their neighbours come last.
-
-    Returns
-    -------
-    samples : (n,) int64
-        As many as asked for, at most.
-    wanted : int
-        How many samples differ, for some method, or lie beside one that does.
-    """
-    if not study.differences:
-        return np.zeros(0, dtype=np.int64), 0
-    differs = [np.isin(difference.classes, DIFFERING) for difference in study.differences.values()]
-    turns = zip_longest(*(_spread(difference, most) for difference in study.differences.values()))
-    named = [sample for turn in turns for sample in turn if sample is not None]
-    wanted = ndimage.binary_dilation(np.logical_or.reduce(differs, axis=0), np.ones((3, 3)))
-    samples = dict.fromkeys([*named, *np.flatnonzero(wanted)[:most].tolist()])
-    return np.array(list(samples)[:most], dtype=np.int64), int(np.count_nonzero(wanted))
-
-
-def _spread(difference: Difference, most: int) -> list[int]:
-    """Return the first sample of each cluster, then others spread over the image, so many of both at most."""
-    width = difference.a.width
-    first = [row * width + column for row, column in (c.sample for c in difference.clusters[:most])]
-    samples = np.flatnonzero(np.isin(difference.classes, DIFFERING))
-    spread = np.linspace(0, len(samples) - 1, min(len(samples), most)).astype(np.int64)
-    return [*first, *samples[spread].tolist()]

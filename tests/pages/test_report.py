@@ -17,15 +17,14 @@ from hsr.base.errors import HsrError
 from hsr.difference.cause import Causes
 from hsr.difference.study import Study
 from hsr.models.stages import Cause
-from hsr.pages import page as module
-from hsr.pages.inspection import inspection
+from hsr.pages import report as module
+from hsr.pages.inspector import fragment, inspection
 from hsr.pages.packing import digits
-from hsr.pages.page import _extent, _figures, _milliseconds, _note, fragment, write_report
-from hsr.pages.pictures import class_picture
+from hsr.pages.report import _extent, _figures, _milliseconds, _note, write_report
 from hsr.pages.shading import shade
 from tests.pages.policies import assert_strict
-from tests.pages.test_pictures import decoded
 from tests.pages.unpacking import scene_of, stories_of
+from tests.pictures.test_png import decoded
 
 VOID = {"meta", "br", "img", "link", "hr", "input"}
 
@@ -103,7 +102,7 @@ def test_methods_that_agree_are_named_and_the_others_shown(page: str, studied: S
     assert [method for method, _ in sources] == ["reference", "shifted"]
     shaded, small = (decoded(source) for _, source in sources)
     assert np.array_equal(shaded[..., :3], shade(studied.maps["reference"], studied.view))
-    assert np.array_equal(small, class_picture(studied.differences["shifted"]))
+    assert np.array_equal(small, studied.differences["shifted"].picture())
 
 
 def test_a_study_s_data_stand_in_its_page(page: str, studied: Study) -> None:

@@ -10,13 +10,14 @@ import pytest
 
 import hsr
 from hsr.base.errors import ViewError
+from hsr.difference.classes import SampleClass
 from hsr.difference.study import Study, study
 from hsr.models.stages import Cause
-from hsr.pages import inspection as module
-from hsr.pages.inspection import CAUSE_LETTERS, CLASS_LETTERS, EMPTY, FARTHEST, inspection, key
+from hsr.pages import stories as module
+from hsr.pages.inspector import EMPTY, FARTHEST, inspection, key
 from hsr.pages.outlines import outlines
 from hsr.pages.packing import digits
-from hsr.pages.shading import face_colours
+from hsr.pictures.palette import face_colours
 from tests.pages.unpacking import stories_of, unpack, unpack_json
 
 
@@ -160,10 +161,11 @@ def test_causes_are_known_though_the_truth_is_no_reference(scenes: Any) -> None:
 
 
 def test_every_sign_has_its_letter_and_colour() -> None:
-    for signs, letters in ((key()["classes"], CLASS_LETTERS), (key()["causes"], CAUSE_LETTERS)):
-        assert len(signs) == len(letters) == len(set(letters))
-        assert len({sign["colour"] for sign in signs[1:]}) == len(signs) - 1
-    assert [sign["label"] for sign in key()["causes"][1:]] == [cause.label for cause in Cause if cause]
+    for name, kinds in (("classes", SampleClass), ("causes", Cause)):
+        none, *signs = key()[name]
+        assert none is None and [sign["label"] for sign in signs] == [kind.label for kind in kinds if kind]
+        for what in ("letter", "colour"):
+            assert len({sign[what] for sign in signs}) == len(signs)
 
 
 def test_an_empty_picture_can_be_inspected(studied: Study) -> None:

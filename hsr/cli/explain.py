@@ -1,0 +1,46 @@
+"""The command ``hsr explain``: why each method shows what it shows at a sample."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import hsr
+from hsr.base.errors import UnavailableError
+from hsr.cli import options as opt
+from hsr.cli.console import tell
+
+
+def explain(
+    scene: opt.SceneFile,
+    sample: opt.Sample,
+    method: opt.Methods = None,
+    map: Annotated[list[Path] | None, typer.Option("--map", help="Map to explain, .npz, repeatable.")] = None,
+    size: opt.Size = "512x512",
+    camera: opt.CameraName = None,
+    as_json: opt.Json = False,
+) -> None:
+    """Tell what lies on one line of sight, and why each method or map shows what it shows.
+
+    Without -a and --map zbuffer, raycast and, where it runs, opengl are asked.
+    """
+    view = hsr.view(hsr.load(scene), opt.parse_size(size), camera)
+    column, row = opt.parse_sample(sample, view)
+    given = [hsr.load_map(file) for file in map or ()]
+    asked = given if given and not method else [*given, *_maps(view, method)]
+    told = hsr.history(view, row, column, asked)
+    tell(as_json, {"hsr": 1, "scene": str(scene), **told.to_json()}, [str(told)])
+
+
+def _maps(view: hsr.View, asked: Sequence[str] | None) -> list[hsr.VisibilityMap]:
+    """Render by the methods asked for, or by the first of each family that runs here."""
+    if asked:
+        return [hsr.render(view, name) for name in asked]
+    maps = [hsr.render(view, name) for name in ("zbuffer", "raycast")]
+    with suppress(UnavailableError):
+        maps.append(hsr.render(view, "opengl"))
+    return maps

@@ -1,0 +1,35 @@
+"""The command ``hsr gallery``: scenes as a page of pictures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import hsr
+from hsr.base.errors import HsrError
+from hsr.base.files import make_folder
+from hsr.cli import options as opt
+from hsr.cli.console import progress, say
+
+
+def gallery(
+    scenes: Annotated[list[Path], typer.Argument(help="Scene files.")],
+    output: Annotated[Path, opt.output("Folder to write.")],
+    size: opt.Size = "256x256",
+    turn: Annotated[
+        list[str] | None, typer.Option("--turn", help="Scene, by its name, to show turning; repeatable.")
+    ] = None,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Write a page of scenes: what each looks like, what it shows, which methods are right on it."""
+    from hsr.pages.gallery import write_gallery
+
+    loaded = {path.stem: hsr.load(path) for path in scenes}
+    for name in turn or ():
+        if name not in loaded:
+            raise HsrError(f"--turn {name}: no such scene is given; there are {', '.join(loaded)}")
+    with progress(quiet, len(loaded)) as step:
+        write_gallery(loaded, make_folder(output), opt.parse_size(size), turn or (), step)
+    say(f"wrote {output}")

@@ -1,0 +1,37 @@
+"""The command ``hsr lesson``: an algorithm played step by step, as a page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import hsr
+from hsr.base.errors import HsrError
+from hsr.base.files import make_folder
+from hsr.cli import options as opt
+from hsr.cli.console import say
+
+
+def lesson(
+    topic: Annotated[str | None, typer.Argument(help="What it is about; an unknown one lists all.")] = None,
+    scene: Annotated[Path | None, typer.Argument(help="Scene in place of the lesson's own.")] = None,
+    output: Annotated[Path | None, opt.output("Page to write, .html; with --all a folder.")] = None,
+    course: Annotated[bool, typer.Option("--all", help="All lessons, and a page that lists them.")] = False,
+) -> None:
+    """Write a lesson: the real algorithm on a small picture, step by step, as one HTML page."""
+    from hsr.lessons.topics import topic_named, topics
+    from hsr.pages.lesson import write_course, write_lesson
+
+    if course == (topic is not None):
+        raise HsrError(f"name a topic or say --all; the topics are {', '.join(topics())}")
+    if output is None:
+        raise HsrError("say where to write by -o: a page.html for one topic, a folder for --all")
+    if topic is None:
+        write_course(topics(), make_folder(output))
+    else:
+        chosen = topic_named(topic)
+        opt.check_folder(output)
+        write_lesson(chosen, output, None if scene is None else hsr.load(scene))
+    say(f"wrote {output}")

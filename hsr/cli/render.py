@@ -1,0 +1,96 @@
+"""The command ``hsr render``: one scene by some methods, as maps and pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+import hsr
+from hsr.cli import options as opt
+from hsr.cli.console import milliseconds, new_table, out, print_json, progress, say
+
+
+def render(
+    scene: Annotated[Path, typer.Argument(help="Scene (TOML, JSON) or mesh file.")],
+    method: opt.Methods = None,
+    size: opt.Size = "512x512",
+    camera: opt.CameraName = None,
+    output: Annotated[Path | None, opt.output("Write the map, .npz.")] = None,
+    png: Annotated[Path | None, typer.Option("--png", help="Write the shaded picture.")] = None,
+    as_json: opt.Json = False,
+    quiet: opt.Quiet = False,
+    verbose: opt.Verbose = False,
+) -> None:
+    """Render one scene and say what is seen.
+
+    With several methods the files are named after them: map.npz becomes map.zbuffer.npz.
+    """
+    from hsr.algorithms.registry import method_named
+
+    opt.check_folder(output)
+    opt.check_folder(png)
+    view = hsr.view(hsr.load(scene), opt.parse_size(size), camera)
+    names = method or ["zbuffer"]
+    rows = []
+    with progress(quiet, len(names)) as step:
+        for name in names:
+            step(name)
+            method_named(name).warm_up(view)
+            answer = hsr.render(view, name)
+            files = list(_written(view, answer, output, png, several=len(names) > 1))
+            rows.append(_summary(answer) | {"files": files})
+    if as_json:
+        print_json({"hsr": 1, "scene": str(scene), "maps": rows})
+    else:
+        _print(rows, verbose)
+
+
+def _written(
+    view: hsr.View, answer: hsr.VisibilityMap, output: Path | None, png: Path | None, several: bool
+) -> Iterator[str]:
+    """Write what was asked for; of several methods each file carries its method's name."""
+    for path, write in ((output, answer.save), (png, lambda path: _save_picture(answer, view, path))):
+        if path is not None:
+            named = path.with_name(f"{path.stem}.{answer.method}{path.suffix}") if several else path
+            write(named)
+            yield str(named)
+
+
+def _save_picture(answer: hsr.VisibilityMap, view: hsr.View, path: Path) -> None:
+    from hsr.pages.shading import shade
+    from hsr.pictures.png import save_picture
+
+    save_picture(shade(answer, view), path)
+
+
+def _summary(answer: hsr.VisibilityMap) -> dict[str, Any]:
+    import numpy as np
+
+    covered = answer.face >= 0
+    return {
+        "method": answer.method,
+        "size": [answer.width, answer.height],
+        "covered": int(covered.sum()),
+        "faces_seen": len(np.unique(answer.face[covered])),
+        "nearest": float(answer.depth.min()) if covered.any() else None,
+        "seconds": answer.seconds,
+        "work": answer.work,
+        "notes": answer.notes,
+    }
+
+
+def _print(rows: list[dict[str, Any]], verbose: bool) -> None:
+    """Print one row a map, and what was written."""
+    table = new_table("method", "covered", "faces seen", "nearest", "render")
+    for row in rows:
+        share = f"{row['covered'] / (row['size'][0] * row['size'][1]):.1%}"
+        nearest = "-" if row["nearest"] is None else f"{row['nearest']:.6g}"
+        table.add_row(row["method"], share, f"{row['faces_seen']:,}", nearest, milliseconds(row["seconds"]))
+    out.print(table)
+    for row in rows:
+        if verbose:
+            say(f"{row['method']}: " + ", ".join(f"{name} {count:,}" for name, count in row["work"].items()))
+        say(*(f"wrote {file}" for file in row["files"]))
