@@ -29,10 +29,6 @@ PATIENCE = 300.0
 """Seconds a backend may take: the first run on a machine compiles kernels."""
 
 INSTALL = "apt-get install -y --no-install-recommends"
-OSMESA_PACKAGE = "libosmesa6"
-EGL_PACKAGES = "libegl1 libgl1 libgl1-mesa-dri"
-
-SIZE = (64, 64)
 
 SCENE = {
     "camera": [{"type": "perspective", "eye": [2.5, 2.0, 4.0]}],
@@ -61,12 +57,18 @@ def diagnose() -> dict[str, Any]:
         JSON values only. ``opengl`` has an entry a backend (see :func:`probe`), ``advice`` the
         lines a person should read: what to install, empty if nothing is missing.
     """
+    from numba import get_num_threads
+
     found = {
         "hsr": 1,
         "python": platform.python_version(),
         "platform": platform.platform(),
         "packages": {name: _version(name) for name in PACKAGES},
-        "threads": _threads(),
+        "threads": {
+            "processors": os.cpu_count(),
+            "numba": get_num_threads(),
+            "LP_NUM_THREADS": os.environ.get("LP_NUM_THREADS"),
+        },
         "opengl": {backend: _probe_apart(backend) for backend in ("osmesa", "egl")},
         "embree": _version("embreex"),
         "browser": next(filter(None, map(shutil.which, BROWSERS)), None),
@@ -121,19 +123,14 @@ def probe(backend: str) -> dict[str, Any]:
 
     try:
         context = BACKENDS[backend]()
-        different, samples = _compared(backend)
+        seen = hsr.view(hsr.Scene.model_validate(SCENE), (64, 64))
+        drawn, ours = hsr.render(seen, "opengl", backend=backend), hsr.render(seen, "zbuffer")
     except HsrError as error:
         return {"draws": False, "problem": str(error)}
     told = {name: getattr(context, name) for name in ("renderer", "version", "subpixel_bits")}
     told |= {"depth_bits": D24.bits, "max_side": context.max_side, "threads": context.threads}
-    return {"draws": True, **told, "different": different, "samples": samples}
-
-
-def _compared(backend: str) -> tuple[int, int]:
-    """Count the samples that differ from zbuffer's, and all samples."""
-    seen = hsr.view(hsr.Scene.model_validate(SCENE), SIZE)
-    drawn, ours = hsr.render(seen, "opengl", backend=backend), hsr.render(seen, "zbuffer")
-    return int((drawn.face != ours.face).sum()), drawn.face.size
+    different = int((drawn.face != ours.face).sum())
+    return {"draws": True, **told, "different": different, "samples": drawn.face.size}
 
 
 def _probe_apart(backend: str) -> dict[str, Any]:
@@ -161,16 +158,6 @@ def _version(package: str) -> str | None:
         return None
 
 
-def _threads() -> dict[str, Any]:
-    import numba
-
-    return {
-        "processors": os.cpu_count(),
-        "numba": numba.get_num_threads(),
-        "LP_NUM_THREADS": os.environ.get("LP_NUM_THREADS"),
-    }
-
-
 def _advice(found: dict[str, Any]) -> list[str]:
     advice = []
     if not any(state["draws"] for state in found["opengl"].values()):
@@ -188,7 +175,8 @@ def _opengl_advice() -> str:
         return f"for OpenGL: unset GALLIUM_DRIVER, which asks for {driver}"
     if not shutil.which("apt-get"):
         return "for OpenGL: install OSMesa, or EGL with Mesa's llvmpipe, by this system's package manager"
-    return f"for OpenGL: {INSTALL} {OSMESA_PACKAGE if _apt_knows(OSMESA_PACKAGE) else EGL_PACKAGES}"
+    packages = "libosmesa6" if _apt_knows("libosmesa6") else "libegl1 libgl1 libgl1-mesa-dri"
+    return f"for OpenGL: {INSTALL} {packages}"
 
 
 def _apt_knows(package: str) -> bool:

@@ -12,7 +12,7 @@ from PIL import Image
 
 from hsr.base.files import write_whole
 from hsr.pages.frame import page, style
-from hsr.pages.inspector import HELP, inspection, key
+from hsr.pages.inspector import inspected, inspection
 from hsr.pages.shading import shade
 from hsr.pages.stories import Shown
 from hsr.pictures.maps import face_picture
@@ -35,7 +35,6 @@ def write_page(
         Tells the run from others, for the decisions that are made on the page.
     unused : sequence of str
         Baselines that no test used.
-    path : Path
 
     Raises
     ------
@@ -45,16 +44,11 @@ def write_page(
     shown: list[dict[str, Any]] = []
     data: list[dict[str, Any]] = []
     for test, check in checks:
-        found: dict[str, Any] = {
-            **check,
-            "test": test,
-            "thumbs": [],
-            "pictures": _pictures(check, path.parent),
-        }
+        found = {**check, "test": test, "thumbs": [], "pictures": _pictures(check, path.parent)}
         if check["inspection"]:
-            kept = json.loads((path.parent / check["inspection"]).read_text(encoding="utf-8"))
-            found |= {"thumbs": kept["thumbs"], "scene": len(data)}
-            data.append(kept["scene"])
+            told = json.loads((path.parent / check["inspection"]).read_text(encoding="utf-8"))
+            found |= {"thumbs": told["thumbs"], "scene": len(data)}
+            data.append(told["scene"])
         shown.append(found)
     text = page(
         "checks",
@@ -62,18 +56,14 @@ def write_page(
         style("inspector.css", "checks.css"),
         ["viewer.js", "decisions.js"] if data else ["decisions.js"],
         checks=shown,
-        failed=[check for check in shown if not check["passed"]],
-        passed=[check for check in shown if check["passed"]],
         run=run,
         unused=unused,
-        help=HELP,
-        key=key() if data else None,
-        data=data,
+        **inspected(data),
     )
     write_whole(path, text, "the page")
 
 
-def inspected(shown: Shown) -> dict[str, Any]:
+def kept(shown: Shown) -> dict[str, Any]:
     """Gather what the page keeps of the maps of a failed check, for :func:`write_page`.
 
     Parameters

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from io import BytesIO
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from PIL import Image
 
 from hsr.algorithms.registry import methods, render
-from hsr.base.arrays import Array, Pixels
+from hsr.base.arrays import Pixels
 from hsr.base.errors import HsrError
 from hsr.base.files import write_whole
 from hsr.difference.classes import OTHER_OWNER, compare
@@ -24,45 +23,17 @@ from hsr.pictures.png import save_picture
 from hsr.problem.view import view
 from hsr.scene.model import MatrixCamera, Scene
 
-FRAMES = 36
+TURN = 36
 """Pictures of a full turn."""
 
-FRAME_MS = 80
+PAUSE = 80
+"""Milliseconds from one to the next."""
 
 SIDE, GAP = 224, 6
 """Of the pictures of the overview, in pixels."""
 
 WRONG = (204, 32, 38)
 """Colour of samples that show the wrong face."""
-
-
-class Shown(NamedTuple):
-    """A scene of the gallery, and what was measured on it.
-
-    Attributes
-    ----------
-    name : str
-    study : Study
-    turns : bool
-        Whether there is a file in which it turns.
-    """
-
-    name: str
-    study: Study
-    turns: bool
-
-    @property
-    def wrong(self) -> dict[str, int]:
-        """At how many samples each method shows a face that is not admissible, the least first.
-
-        What comes of flat faces in place of curved ones is not counted: it was asked for.
-        """
-        flat = Cause.TESSELLATION.label
-        counts = {
-            name: found.different - self.study.causes[name].counts.get(flat, 0)
-            for name, found in self.study.differences.items()
-        }
-        return dict(sorted(counts.items(), key=lambda item: item[1]))
 
 
 def write_gallery(
@@ -76,7 +47,6 @@ def write_gallery(
 
     Parameters
     ----------
-    scenes : mapping of str to Scene
     folder : Path
         There already; files in it are replaced.
     size : (width, height)
@@ -97,15 +67,28 @@ def write_gallery(
         progress(name)
         if name in turning:
             write_whole(folder / f"{name}.webp", turntable(scene), "the turning picture")
-        measured = study(scene, list(methods()), "exact", size, name=name)
-        if measured.reference is None:
-            raise HsrError(f"{name}: {measured.skipped['exact']}")
-        save_picture(shade(measured.maps["exact"], measured.view), folder / f"{name}.png")
-        shown.append(Shown(name, measured, name in turning))
+        found = study(scene, list(methods()), "exact", size, name=name)
+        if found.reference is None:
+            raise HsrError(f"{name}: {found.skipped['exact']}")
+        save_picture(shade(found.maps["exact"], found.view), folder / f"{name}.png")
+        shown.append((found, _wrong(found)))
     save_picture(overview(list(scenes.values())), folder / "overview.png")
-    sheet = style("gallery.css")
-    text = page("gallery", "The scenes", sheet, images="'self' file:", shown=shown, size=size)
+    sheet, own = style("gallery.css"), "'self' file:"
+    text = page("gallery", "The scenes", sheet, images=own, shown=shown, size=size, turning=turning)
     write_whole(folder / "index.html", text, "the gallery")
+
+
+def _wrong(found: Study) -> dict[str, int]:
+    """Count the samples at which each method shows a face that is not admissible, the least first.
+
+    What comes of flat faces in place of curved ones is not counted: it was asked for.
+    """
+    flat = Cause.TESSELLATION.label
+    counts = {
+        name: difference.different - found.causes[name].counts.get(flat, 0)
+        for name, difference in found.differences.items()
+    }
+    return dict(sorted(counts.items(), key=lambda item: item[1]))
 
 
 # ---------------------------------------------------------------- turning
@@ -119,14 +102,10 @@ def turntable(scene: Scene) -> bytes:
     HsrError
         If its first camera is given by a matrix.
     """
-    frames = [
-        Image.fromarray(shade(render(seen, "raycast"), seen))
-        for seen in (view(turned(scene, 2.0 * np.pi * k / FRAMES), (SIDE, SIDE)) for k in range(FRAMES))
-    ]
+    views = (view(turned(scene, 2.0 * np.pi * k / TURN), (SIDE, SIDE)) for k in range(TURN))
+    first, *others = (Image.fromarray(shade(render(seen, "raycast"), seen)) for seen in views)
     file = BytesIO()
-    frames[0].save(
-        file, "WEBP", save_all=True, append_images=frames[1:], duration=FRAME_MS, loop=0, lossless=True
-    )
+    first.save(file, "WEBP", save_all=True, append_images=others, duration=PAUSE, loop=0, lossless=True)
     return file.getvalue()
 
 
@@ -154,19 +133,18 @@ def overview(scenes: Sequence[Scene]) -> Pixels:
     -------
     (H, W, 3) uint8
     """
-    return np.hstack([np.vstack([_padded(picture) for picture in _column(scene)]) for scene in scenes])
+    columns = np.array([_column(scene) for scene in scenes])  # (n, 4, SIDE, SIDE, 3)
+    margin = (GAP, GAP)
+    padded = np.pad(columns, ((0, 0), (0, 0), margin, margin, (0, 0)), constant_values=255)
+    return np.hstack([np.vstack(column) for column in padded])
 
 
 def _column(scene: Scene) -> list[Pixels]:
+    from skimage.color import gray2rgb
+
     seen = view(scene, (SIDE, SIDE))
     answer, culled = render(seen, "raycast"), render(seen, "backface")
     shaded = shade(answer, seen)
     wrong: Pixels = 255 - (255 - shaded) // 4
     wrong[np.isin(compare(culled, render(seen, "zbuffer")).classes, OTHER_OWNER)] = WRONG
-    return [shaded, face_picture(answer.face), depth_picture(answer.depth), wrong]
-
-
-def _padded(picture: Array) -> Pixels:
-    """Put a white margin around a picture; a grey one becomes RGB."""
-    colour = picture if picture.ndim == 3 else np.repeat(picture[..., None], 3, axis=2)
-    return np.pad(colour[..., :3], ((GAP, GAP), (GAP, GAP), (0, 0)), constant_values=255)
+    return [shaded, face_picture(answer.face), gray2rgb(depth_picture(answer.depth)), wrong]

@@ -7,7 +7,7 @@ than rounding explains. Elsewhere its depths are given as those of the base.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 from urllib.parse import urlencode
 
@@ -58,6 +58,11 @@ HELP = (
     ("? Escape", "this help; close"),
 )
 """Keys of the inspector and what they do."""
+
+
+def inspected(data: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return what ``inspector.html`` is given: scenes by :func:`inspection`, and what signs mean."""
+    return {"help": HELP, "key": key() if data else None, "data": data}
 
 
 def key() -> dict[str, Any]:

@@ -18,8 +18,6 @@ def write_lesson(topic: Topic, path: str | Path, scene: Scene | None = None) -> 
 
     Parameters
     ----------
-    topic : Topic
-    path : str or Path
     scene : Scene, optional
         In place of the topic's own.
 

@@ -63,11 +63,33 @@ def _of_object(view: View, placement: Placement, faces: Ints) -> Floats:
 
 def _sides(polygons: Polygons, chosen: Ints) -> Floats:
     """Return the sides (n, 2, 3) of the polygons of some faces."""
-    corner, start = polygons.corner, polygons.start
-    after = np.arange(1, len(corner) + 1)
-    after[start[1:] - 1] = start[:-1]
-    used = np.repeat(np.isin(polygons.face, chosen), np.diff(start))
-    return polygons.vertices[np.stack([corner, corner[after]], axis=1)[used]]
+    place, following, _ = sides(polygons.start, np.flatnonzero(np.isin(polygons.face, chosen)))
+    ends: Floats = polygons.vertices[polygons.corner[np.stack([place, following], axis=1)]]
+    return ends
+
+
+def sides(start: Array, chosen: Array) -> tuple[Array, Array, Array]:
+    """Go round some polygons.
+
+    Parameters
+    ----------
+    start : (P + 1,) int
+        Where the corners of each polygon begin in a list of all corners, and end.
+    chosen : (p,) int
+        Numbers of polygons.
+
+    Returns
+    -------
+    place, following : (n,) int64
+        Places in that list of each side's two corners, in the order of the polygon.
+    polygon : (n,) int64
+        Place of its polygon in ``chosen``.
+    """
+    count = start[chosen + 1] - start[chosen]
+    polygon = np.repeat(np.arange(len(chosen)), count)
+    side = np.arange(len(polygon)) - (np.cumsum(count) - count)[polygon]
+    first = start[chosen][polygon]
+    return first + side, first + (side + 1) % count[polygon], polygon
 
 
 # ---------------------------------------------------------------- curved faces

@@ -7,6 +7,7 @@ import numpy as np
 from hsr.base.arrays import Array, Ints, Pixels
 from hsr.kernels.clipping import clip_polygons, view_volume
 from hsr.kernels.projection import clip_rows, to_clip, to_screen
+from hsr.pages.outlines import sides
 from hsr.problem.view import CULL, View
 
 MOST = 255
@@ -24,10 +25,6 @@ class Drawn:
 
     Curved shapes are tessellated. Coordinates are rounded, so that a sample very close to an edge may be
     counted on the wrong side of it.
-
-    Parameters
-    ----------
-    view : View
     """
 
     def __init__(self, view: View) -> None:
@@ -37,11 +34,8 @@ class Drawn:
         clipped, corner, start = clip_polygons(clip, flat.polygons.corner, flat.polygons.start, volume)
         self.size = (flat.width, flat.height)
         screen = to_screen(clipped, flat.perspective, self.size, (flat.near, flat.far))
-        following = np.arange(1, len(corner) + 1)
-        closed = start[1:] > start[:-1]
-        following[start[1:][closed] - 1] = start[:-1][closed]
-        self.tail, self.head = screen[corner, :2], screen[corner[following], :2]
-        self.polygon = np.repeat(np.arange(len(start) - 1), np.diff(start))
+        place, following, self.polygon = sides(start, np.arange(len(start) - 1))
+        self.tail, self.head = screen[corner[place], :2], screen[corner[following], :2]
         self.face, self.cull = flat.polygons.face, flat.polygons.cull
         cross = self.tail[:, 0] * self.head[:, 1] - self.tail[:, 1] * self.head[:, 0]
         self.area = -0.5 * np.bincount(self.polygon, cross, len(self.face))  # y is down

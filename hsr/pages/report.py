@@ -20,7 +20,7 @@ from hsr.difference.classes import DIFFERENT, SampleClass
 from hsr.difference.study import Study
 from hsr.models.stages import Cause
 from hsr.pages.frame import page, style
-from hsr.pages.inspector import HELP, fragment, inspection, key
+from hsr.pages.inspector import fragment, inspected, inspection
 from hsr.pages.shading import shade
 from hsr.pages.stories import DIGITS
 from hsr.pictures.palette import CLASS_COLOURS
@@ -51,7 +51,6 @@ def write_report(
     ----------
     studies : sequence of Study
         One a scene, each with one map at least.
-    path : str or Path
     title : str
         What the page is headed by.
     progress : callable, optional
@@ -77,12 +76,13 @@ def write_report(
 
 def _render(studies: Sequence[Study], title: str, data: Sequence[dict[str, Any]]) -> str:
     causes = _causes(studies)
+    colours = (f".class-{kind:d} {{ background: rgb{CLASS_COLOURS[kind.label]}; }}\n" for kind in ABOUT)
     return page(
         "report",
         title,
-        style("inspector.css", "report.css") + _colours(),
+        style("inspector.css", "report.css") + Markup("".join(colours)),
         ["viewer.js"],
-        filters={"figures": _figures, "milliseconds": _milliseconds, "note": _note, "size": _size},
+        filters={"figures": _figures, "milliseconds": _milliseconds, "note": _note},
         studies=studies,
         methods=list(dict.fromkeys(name for found in studies for name in found.methods)),
         classes=ABOUT.items(),
@@ -94,25 +94,12 @@ def _render(studies: Sequence[Study], title: str, data: Sequence[dict[str, Any]]
         expected=_expected,
         flat=any(_expected(found, name) for found in studies for name in found.differences),
         fragment=fragment,
-        picture=_picture,
+        picture=lambda map, view: data_uri(shade(map, view)),
         small=lambda difference: data_uri(difference.picture()),
         date=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         environment=_environment(studies),
-        help=HELP,
-        key=key(),
-        data=data,
+        **inspected(data),
     )
-
-
-def _colours() -> Markup:
-    """Return the styles that show the colours of the classes."""
-    lines = (f".class-{kind:d} {{ background: rgb{CLASS_COLOURS[kind.label]}; }}\n" for kind in ABOUT)
-    return Markup("".join(lines))
-
-
-def _picture(study: Study) -> str:
-    base = study.maps[study.reference or next(iter(study.maps))]
-    return data_uri(shade(base, study.view))
 
 
 ABOUT = {
@@ -179,7 +166,3 @@ def _note(note: Any) -> str:
     if isinstance(note, float):
         return _figures(note)
     return f"{note:,}" if isinstance(note, int) else str(note)
-
-
-def _size(study: Study) -> str:
-    return f"{study.view.width} × {study.view.height}"

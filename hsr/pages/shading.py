@@ -7,8 +7,9 @@ from typing import cast
 
 import numpy as np
 
-from hsr.base.arrays import Array, Floats, Ints, Pixels
+from hsr.base.arrays import Array, Bools, Floats, Ints, Pixels
 from hsr.base.errors import HsrError
+from hsr.pages.outlines import sides
 from hsr.pictures.palette import to_bytes
 from hsr.problem.map import BACKGROUND, VisibilityMap
 from hsr.problem.view import Placement, View
@@ -31,7 +32,6 @@ def shade(map: VisibilityMap, view: View) -> Pixels:
 
     Parameters
     ----------
-    map : VisibilityMap
     view : View
         The view that was rendered, with its curved shapes (not its tessellation).
 
@@ -49,14 +49,10 @@ def shade(map: VisibilityMap, view: View) -> Pixels:
         raise HsrError(f"cannot shade a {map.width}x{map.height} map with a {view.width}x{view.height} view")
     picture = np.empty((view.height, view.width, 3), dtype=np.float64)
     picture[:] = view.background
-    rows, columns = np.nonzero(map.face != BACKGROUND)
-    if len(rows):
-        face = map.face[rows, columns]
-        point, sight = _points(view, rows, columns, map.depth[rows, columns])
-        normal, colour = _surface(view, face, point)
-        normal[_dot(normal, sight) > 0.0] *= -1.0
-        intensity = _light(view.lights, point, normal, sight)
-        picture[rows, columns] = _encode(_decode(colour) * intensity)
+    covered = map.face != BACKGROUND
+    point, sight, normal, colour = _surface(map, view, covered)
+    normal[np.vecdot(normal, sight) > 0.0] *= -1.0
+    picture[covered] = _encode(_decode(colour) * _light(view.lights, point, normal, sight))
     return to_bytes(picture)
 
 
@@ -68,7 +64,6 @@ def facing(map: VisibilityMap, view: View) -> Array:
 
     Parameters
     ----------
-    map : VisibilityMap
     view : View
         The view that was rendered, with its curved shapes.
 
@@ -78,34 +73,32 @@ def facing(map: VisibilityMap, view: View) -> Array:
         1 for the front, -1 for the back, 0 for the background.
     """
     facing = np.zeros(map.face.shape, dtype=np.int8)
-    rows, columns = np.nonzero(map.face != BACKGROUND)
-    if len(rows):
-        point, sight = _points(view, rows, columns, map.depth[rows, columns])
-        normal, _ = _surface(view, map.face[rows, columns], point)
-        facing[rows, columns] = np.where(_dot(normal, sight) < 0.0, 1, -1)
+    covered = map.face != BACKGROUND
+    _, sight, normal, _ = _surface(map, view, covered)
+    facing[covered] = np.where(np.vecdot(normal, sight) < 0.0, 1, -1)
     return facing
 
 
-def _points(view: View, rows: Array, columns: Array, depth: Floats) -> tuple[Floats, Floats]:
-    """World point (n, 3) of each sample, and the unit direction (n, 3) in which the eye sees it."""
-    x = (2 * columns + 1) / view.width - 1.0
-    y = 1.0 - (2 * rows + 1) / view.height
+def _surface(map: VisibilityMap, view: View, covered: Bools) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return what the covered samples show, in world space, each (n, 3).
+
+    That is the point, the unit direction in which the eye sees it, the outward unit normal, and the colour.
+    """
+    rows, columns = np.nonzero(covered)
+    x, y = (2 * columns + 1) / view.width - 1.0, 1.0 - (2 * rows + 1) / view.height
     ndc = np.stack([np.ones_like(x), x, y], axis=1)
-    origin, direction = ndc @ view.rays.origin.T, ndc @ view.rays.direction.T
-    return origin + depth[:, None] * direction, _unit(direction)
-
-
-def _surface(view: View, face: Ints, point: Floats) -> tuple[Floats, Floats]:
-    """Return outward unit normals (n, 3) in world space, and colours (n, 3)."""
+    sight = ndc @ view.rays.direction.T
+    point = ndc @ view.rays.origin.T + map.depth[covered][:, None] * sight
     normal, colour = np.empty_like(point), np.empty_like(point)
+    face = map.face[covered]
     owner = view.object_of(face)
-    by_object = np.argsort(owner, kind="stable")
-    starts = np.flatnonzero(np.diff(owner[by_object])) + 1
-    for samples in np.split(by_object, starts):
-        placement = view.placements[owner[samples[0]]]
+    by_owner = np.argsort(owner, kind="stable")
+    owners, first = np.unique(owner[by_owner], return_index=True)
+    for number, samples in zip(owners, np.split(by_owner, first[1:]), strict=False):  # none if all is empty
+        placement = view.placements[number]
         normal[samples] = _normals(placement, face[samples] - placement.first, point[samples])
         colour[samples] = placement.colour
-    return normal, colour
+    return point, _unit(sight), normal, colour
 
 
 def _normals(placement: Placement, face: Ints, point: Floats) -> Floats:
@@ -127,23 +120,17 @@ def _normals(placement: Placement, face: Ints, point: Floats) -> Floats:
 
 def _newell(polygons: Polygons, chosen: Array) -> Floats:
     """Return normals (n, 3) of some polygons by Newell's method, in object space, of any length."""
-    start = polygons.start[chosen]
-    sides = polygons.start[chosen + 1] - start
-    first = np.cumsum(sides) - sides  # where each polygon's corners begin among all those chosen
-    side = np.arange(sides.sum()) - np.repeat(first, sides)
-    following = (side + 1) % np.repeat(sides, sides)
-
-    def corners(k: Array) -> Floats:
-        return polygons.vertices[polygons.corner[np.repeat(start, sides) + k]]
-
-    origin = corners(np.zeros_like(side))  # relative to a corner, or far polygons would lose digits
-    return np.add.reduceat(np.cross(corners(side) - origin, corners(following) - origin), first)
+    place, following, polygon = sides(polygons.start, chosen)
+    vertices, corner = polygons.vertices, polygons.corner
+    origin = vertices[corner[polygons.start[chosen]]][polygon]  # far polygons would lose digits without
+    crosses = np.cross(vertices[corner[place]] - origin, vertices[corner[following]] - origin)
+    return np.add.reduceat(crosses, np.flatnonzero(np.diff(polygon, prepend=-1)))
 
 
 def _light(lights: Sequence[Light], point: Floats, normal: Floats, sight: Floats) -> Floats:
     """Linear intensity (n, 3) that each sample sends to the eye, for a white surface."""
     if not lights:
-        return np.repeat(-_dot(normal, sight)[:, None], 3, axis=1)
+        return np.repeat(-np.vecdot(normal, sight)[:, None], 3, axis=1)
     total = np.zeros_like(point)
     for light in lights:
         if isinstance(light, Ambient):
@@ -153,22 +140,16 @@ def _light(lights: Sequence[Light], point: Floats, normal: Floats, sight: Floats
             toward = -_unit(np.array([light.direction]))
         else:
             toward = _unit(np.array(light.position) - point)
-        total += np.maximum(_dot(normal, toward), 0.0)[:, None] * light.colour
+        total += np.maximum(np.vecdot(normal, toward), 0.0)[:, None] * light.colour
     return total
-
-
-def _dot(a: Floats, b: Floats) -> Floats:
-    product: Floats = np.sum(a * b, axis=-1)
-    return product
 
 
 def _unit(vectors: Floats) -> Floats:
     """Vectors of length 1; a vector of length 0 (a degenerate face) stays as it is."""
     # Scaled to about 1 first: the squares of large and small numbers leave the range of float64.
-    largest = np.abs(vectors).max(axis=-1, keepdims=True)
-    scaled = np.divide(vectors, largest, out=np.zeros_like(vectors), where=largest > 0.0)
-    length = np.linalg.norm(scaled, axis=-1, keepdims=True)
-    unit: Floats = np.divide(scaled, length, out=scaled, where=length > 0.0)
+    least = np.nextafter(0.0, 1.0)
+    scaled = vectors / np.maximum(np.abs(vectors).max(axis=-1, keepdims=True), least)
+    unit: Floats = scaled / np.maximum(np.linalg.norm(scaled, axis=-1, keepdims=True), least)
     return unit
 
 

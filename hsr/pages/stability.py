@@ -14,7 +14,7 @@ from hsr.lab.stability.family import GROUPS
 from hsr.lab.stability.judge import FINE, Result
 from hsr.lab.stability.plots import chart
 from hsr.lab.stability.summary import headline, matrix, number
-from hsr.pages.frame import style, templates
+from hsr.pages import frame
 
 
 def write_folder(results: Sequence[Result], folder: Path) -> list[Path]:
@@ -58,15 +58,17 @@ def page(results: Sequence[Result], charts: dict[str, str]) -> str:
     charts : dict of str to str
         SVG documents by family.
     """
-    environment = templates()
-    environment.filters |= {"number": number, "raised": raised}
-    return environment.get_template("stability.html").render(
+    return frame.page(
+        "stability",
+        "Where the methods break",
+        frame.style("stability.css"),
+        drawings=True,
+        filters={"number": number, "raised": raised},
         results=results,
         groups=GROUPS,
         headline=headline(matrix(results)["families"]),
         fine=FINE,
         charts={name: Markup(svg[svg.index("<svg") :]) for name, svg in charts.items()},
-        style=style("stability.css"),
     )
 
 

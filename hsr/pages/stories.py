@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import zip_longest
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from hsr.base.arrays import Array, Ints
+from hsr.base.arrays import Bools, Ints
 from hsr.base.errors import MapError, ViewError
 from hsr.difference.cause import Causes, causes
 from hsr.difference.classes import OTHER_OWNER, Difference, SampleClass
@@ -80,7 +80,7 @@ class Stories(NamedTuple):
 
 def stories(study: Study | Shown, most: int) -> Stories:
     """Tell the histories of samples at which methods differ, as long as there are digits left."""
-    samples, wanted = _order(study, STORIES)
+    samples, wanted = _order(study.differences.values())
     parts: dict[int, Any] = {}
     faces: set[int] = set()
     try:
@@ -96,13 +96,13 @@ def stories(study: Study | Shown, most: int) -> Stories:
     return Stories(dict(sorted(parts.items())), np.array(sorted(faces), dtype=np.int32), wanted, "")
 
 
-def _histories(study: Study | Shown, samples: Array) -> Iterator[History]:
+def _histories(study: Study | Shown, samples: Sequence[int]) -> Iterator[History]:
     if study.view is None:
         raise MapError("nothing says which scene the maps show")
     causes_of = study.causes or _causes(study.view, study.maps)
     known = {study.maps[name].method: why for name, why in causes_of.items()}
     for first in range(0, len(samples), AT_ONCE):
-        some = samples[first : first + AT_ONCE].tolist()
+        some = samples[first : first + AT_ONCE]
         yield from map(Historian(study.view, some, list(study.maps.values()), known).tell, some)
 
 
@@ -114,7 +114,7 @@ def _causes(view: View, maps: Mapping[str, VisibilityMap]) -> dict[str, Causes]:
     return {name: causes(view, map, truth) for name, map in maps.items() if map is not truth}
 
 
-def _order(study: Study | Shown, most: int) -> tuple[Array, int]:
+def _order(differences: Collection[Difference]) -> tuple[list[int], int]:
     """Choose the samples whose history is told.
 
     The methods take turns: each names its clusters, the largest first, then its other samples, spread over
@@ -122,27 +122,26 @@ def _order(study: Study | Shown, most: int) -> tuple[Array, int]:
 
     Returns
     -------
-    samples : (n,) int64
-        As many as asked for, at most.
+    samples : list of int
+        STORIES at most.
     wanted : int
         How many samples differ, for some method, or lie beside one that does.
     """
-    if not study.differences:
-        return np.zeros(0, dtype=np.int64), 0
     from skimage.morphology import dilation
 
-    differs = [np.isin(difference.classes, DIFFERING) for difference in study.differences.values()]
-    turns = zip_longest(*(_spread(difference, most) for difference in study.differences.values()))
+    if not differences:
+        return [], 0
+    differs = [np.isin(difference.classes, DIFFERING) for difference in differences]
+    turns = zip_longest(*map(_spread, differences, differs))
     named = [sample for turn in turns for sample in turn if sample is not None]
-    wanted = dilation(np.logical_or.reduce(differs, axis=0), np.ones((3, 3)))
-    samples = dict.fromkeys([*named, *np.flatnonzero(wanted)[:most].tolist()])
-    return np.array(list(samples)[:most], dtype=np.int64), int(np.count_nonzero(wanted))
+    wanted = dilation(np.logical_or.reduce(differs), np.ones((3, 3)))
+    samples = dict.fromkeys([*named, *np.flatnonzero(wanted)[:STORIES].tolist()])
+    return list(samples)[:STORIES], int(np.count_nonzero(wanted))
 
 
-def _spread(difference: Difference, most: int) -> list[int]:
-    """Return the first sample of each cluster, then others spread over the image, so many of both at most."""
-    width = difference.a.width
-    first = [row * width + column for row, column in (c.sample for c in difference.clusters[:most])]
-    samples = np.flatnonzero(np.isin(difference.classes, DIFFERING))
-    spread = np.linspace(0, len(samples) - 1, min(len(samples), most)).astype(np.int64)
-    return [*first, *samples[spread].tolist()]
+def _spread(difference: Difference, differs: Bools) -> list[int]:
+    """Return the first sample of each cluster, then others spread over the image."""
+    first = [row * difference.a.width + column for row, column in (c.sample for c in difference.clusters)]
+    samples = np.flatnonzero(differs)
+    spread = np.linspace(0, len(samples) - 1, min(len(samples), STORIES)).astype(np.int64)
+    return [*first[:STORIES], *samples[spread].tolist()]

@@ -30,23 +30,20 @@ def face_picture(face: Ints) -> Pixels:
     return face_colours(seen)[which.reshape(face.shape)]
 
 
-def depth_picture(depth: Floats, span: tuple[float, float] | None = None) -> Pixels:
+def depth_picture(depth: Floats) -> Pixels:
     """Paint depths as greys: the nearest light, the farthest dark, the background black.
 
     Parameters
     ----------
     depth : (H, W) float64
         In scene units; not finite for the background.
-    span : (nearest, farthest), optional
-        Depths that become the lightest and the darkest grey; by default those of the map
-        (:func:`depth_span`). Give one span to pictures that are to be compared.
 
     Returns
     -------
     (H, W) uint8
         Grey.
     """
-    share = depth_shares(depth, span or depth_span(depth))
+    share = depth_shares(depth, depth_span(depth))
     return np.where(np.isnan(share), np.uint8(0), to_bytes(0.95 - 0.75 * np.nan_to_num(share)))
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from hsr.base.arrays import Pixels
 from hsr.base.errors import CheckError, VisibilityError
-from hsr.pages.checks import inspected
+from hsr.pages.checks import kept
 from hsr.pages.inspector import fragment
 from hsr.pages.stories import Shown
 from hsr.pictures.png import save_picture
@@ -376,7 +376,7 @@ class Visibility:
     def _inspect(self, check: Check, shown: Shown, sample: tuple[int, int] | None = None) -> None:
         """Keep what the page shows of maps, and how its address names what to look at first."""
         check.inspection = self._file(check, "inspection.json")
-        (self._case.results / check.inspection).write_text(json.dumps(inspected(shown)), encoding="utf-8")
+        (self._case.results / check.inspection).write_text(json.dumps(kept(shown)), encoding="utf-8")
         check.link = fragment(check.key, list(shown.maps)[-1], sample)
 
     def _keep(self, check: Check, what: str, map: VisibilityMap) -> str:

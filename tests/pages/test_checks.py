@@ -16,7 +16,7 @@ from PIL import Image
 import hsr
 from hsr.difference.classes import compare
 from hsr.difference.study import Study
-from hsr.pages.checks import inspected, write_page
+from hsr.pages.checks import kept, write_page
 from hsr.pages.inspector import fragment
 from hsr.pages.stories import Shown
 from hsr.problem.map import VisibilityMap
@@ -51,7 +51,7 @@ def page(real: Study, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("results")
     alone = Shown("b/1", None, {"new": painted().maps["mine"]}, None, {}, {})
     for name, shown in {"a": painted(), "b": alone, "e": rendered(real)}.items():
-        (folder / f"{name}.json").write_text(json.dumps(inspected(shown)), encoding="utf-8")
+        (folder / f"{name}.json").write_text(json.dumps(kept(shown)), encoding="utf-8")
     for name, value in (("expected", 90), ("shown", 200)):
         Image.fromarray(np.full((24, 32, 3), value, np.uint8)).save(folder / f"{name}.png")
     baseline = "tests/__visibility__/test_a/test_<b>.npz"

@@ -23,7 +23,7 @@ METHODS = ("exact", "scanline", "backface", "raycast")
 @pytest.fixture(autouse=True)
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(gallery, "SIDE", 24)
-    monkeypatch.setattr(gallery, "FRAMES", 4)
+    monkeypatch.setattr(gallery, "TURN", 4)
     monkeypatch.setattr(gallery, "methods", lambda: METHODS)
 
 

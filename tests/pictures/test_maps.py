@@ -4,7 +4,7 @@ import numpy as np
 
 from hsr.difference.classes import SampleClass, compare
 from hsr.difference.study import Study
-from hsr.pictures.maps import SMALL, depth_picture, depth_span, face_picture
+from hsr.pictures.maps import SMALL, depth_picture, depth_shares, depth_span, face_picture
 from hsr.pictures.palette import CLASS_COLOURS, COVERED, face_colours
 from hsr.problem.map import VisibilityMap
 
@@ -22,12 +22,12 @@ def test_depth_picture_is_light_near_and_black_where_nothing_is() -> None:
     assert near > middle > far > nothing == 0
 
 
-def test_depth_pictures_of_one_span_agree() -> None:
+def test_shares_of_one_span_agree() -> None:
     first, second = np.array([[1.0, 5.0]]), np.array([[2.0, 5.0]])
     span = depth_span(first)
     assert span == (1.0, 5.0)
-    assert depth_picture(first, span)[0, 1] == depth_picture(second, span)[0, 1]
-    assert depth_picture(first, span)[0, 0] > depth_picture(second, span)[0, 0]
+    assert depth_shares(first, span).tolist() == [[0.0, 1.0]]
+    assert depth_shares(second, span).tolist() == [[0.25, 1.0]]
 
 
 def test_depth_picture_of_flat_and_empty_maps() -> None:

@@ -1,0 +1,25 @@
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from hsr.cli import app
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, scenes: Path) -> Any:
+    """Run the command in this process: ``run("render", ...) -> (exit code, stdout, stderr)``."""
+
+    def call(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.chdir(scenes.parent)
+        monkeypatch.setattr(sys, "argv", ["hsr", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            app.main()
+            raise SystemExit(0)
+        captured = capsys.readouterr()
+        return int(ended.value.code or 0), captured.out, captured.err
+
+    return call
