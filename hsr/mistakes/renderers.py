@@ -1,7 +1,7 @@
 """Renderers in the open, in which the classic mistakes are planted.
 
-They exist to be wrong where theory says so: a depth buffer that tries every triangle at every sample, and a
-ray caster of spheres and cylinders by the formulas of a first draft. Neither clips.
+They exist to be wrong where theory says so, or where a test should notice: a depth buffer, and ray casters by
+the formulas of a first draft. None of them clips.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 
 from hsr.base.arrays import Array, Bools, Floats, Ints
 from hsr.kernels.projection import clip_rows
-from hsr.problem.map import BACKGROUND
+from hsr.problem.map import BACKGROUND, VisibilityMap
 from hsr.problem.view import Placement, View
 
 Real = type[np.floating[Any]]
@@ -23,15 +23,24 @@ GRID = 256
 """Fractions of a pixel on which ``whole`` edge functions put their corners."""
 
 
-def samples(width: int, height: int) -> tuple[Floats, Floats]:
-    """Return x and y (H, W) of the samples, in pixels from the middle of the picture, y up."""
+def samples(width: int, height: int, centre: tuple[float, float] = (0.5, 0.5)) -> tuple[Floats, Floats]:
+    """Return x and y (H, W) of the samples, in pixels from the middle of the picture, y up.
+
+    They lie ``centre`` (down, right) from the upper left corners of their pixels, from 0 to 1.
+    """
     y, x = np.mgrid[:height, :width]
-    return x + 0.5 - 0.5 * width, 0.5 * height - 0.5 - y
+    return x + centre[1] - 0.5 * width, 0.5 * height - centre[0] - y
+
+
+Box = tuple[slice, slice]
+"""Rows and columns of an image."""
 
 
 @dataclass(frozen=True)
 class Buffer:
-    """A depth buffer in NumPy; each field but its default is a mistake, or a depth format.
+    """A depth buffer, triangle by triangle; each field but its default is a mistake, or a depth format.
+
+    Triangles are not clipped at the eye; those that reach behind it come out wrong.
 
     Attributes
     ----------
@@ -41,42 +50,82 @@ class Buffer:
         Of the matrix, the vertices and their product.
     composed : bool
         Whether depth is read off z and w of the one matrix that has the near distance in it.
+    divided : bool
+        Whether depth is interpolated as its inverse, as perspective demands.
+    grid : float
+        Steps a pixel to which corners are truncated; 0 leaves them.
+    centre : tuple of 2 float
+        Where in a pixel its sample lies: (down, right) from its upper left corner, from 0 to 1.
     epsilon : float
-        How far outside an edge, as a multiple of its length in pixels, a sample may lie and still be covered.
+        How far outside an edge, as a multiple of its length in pixels, a sample may lie and still be covered;
+        less than a pixel.
     inclusive : bool
-        Whether both neighbours own the samples on their edge, and triangles without area their edges.
+        Whether both neighbours own the samples on their edge, and not the left and top ones alone.
+    degenerate : bool
+        Whether triangles without area are drawn: none of their edges has an outside.
     whole : type, optional
         Integer type of edge functions, of corners on a grid of 1/256 pixel; it may wrap around.
+    short_box : bool
+        Whether the last row and column of a triangle's bounding box are left out.
+    swapped : bool
+        Whether front and back are taken for each other.
     anchored : bool
         Whether the plane of depth is evaluated from the corner of the picture, and in float32.
-    after_near : bool
-        Whether what lies exactly on the near plane is lost.
+    near_clip, after_near : bool
+        Whether what lies in front of the near plane is left out, and whether what lies exactly on it is.
+    unscaled : bool
+        Whether depths of different objects are compared in their own units.
+    nearest, later_wins : bool
+        Whether the nearest face is seen, and not the first drawn; and of equal depths the last drawn.
+    upside_down : bool
+        Whether row 0 is the bottom row.
     """
 
     stored: Callable[[View, Floats], Array] | None = None
     real: Real = np.float64
     composed: bool = False
+    divided: bool = True
+    grid: float = 0.0
+    centre: tuple[float, float] = (0.5, 0.5)
     epsilon: float = 0.0
     inclusive: bool = False
+    degenerate: bool = False
     whole: type[np.signedinteger[Any]] | None = None
+    short_box: bool = False
+    swapped: bool = False
     anchored: bool = False
+    near_clip: bool = True
     after_near: bool = False
+    unscaled: bool = False
+    nearest: bool = True
+    later_wins: bool = False
+    upside_down: bool = False
 
     def __call__(self, view: View) -> Ints:
         """Return the face (H, W) of every sample."""
-        x, y = samples(view.width, view.height)
-        face, best = np.full(x.shape, BACKGROUND, np.int32), np.full(x.shape, np.inf)
-        for screen, owner in zip(self._screen(view), view.triangle_face, strict=True):
-            covered = self._covered(screen, x, y)
-            depth = self._depth(screen, x, y, view.perspective)
-            covered &= (depth > view.near if self.after_near else depth >= view.near) & (depth <= view.far)
-            key = depth if self.stored is None else self.stored(view, depth)
-            nearer = covered & (key < best)
-            face[nearer], best[nearer] = owner, key[nearer]
-        return face
+        return self.render(view, "").face
 
-    def _screen(self, view: View) -> Floats:
-        """Return the corners (n, 3, 3): pixels from the middle of the picture, y up, and depth."""
+    def render(self, view: View, name: str) -> VisibilityMap:
+        """Draw a view without curved shapes, and call the map that of method ``name``."""
+        x, y = samples(view.width, view.height, self.centre)
+        face = np.full(x.shape, BACKGROUND, np.int32)
+        depth, best = np.full(x.shape, np.inf), np.full(x.shape, np.inf)
+        with np.errstate(all="ignore"):
+            for corners, owner, thing in self._triangles(view):
+                box = self._box(view, corners)
+                here = self._depth(view, corners, x[box], y[box])
+                key = self._key(view, here, thing)
+                nearer = self._covered(corners, thing.cull, x[box], y[box]) & (here <= view.far)
+                nearer &= (key <= best[box]) if self.later_wins else (key < best[box])
+                if self.near_clip:
+                    nearer &= here > view.near if self.after_near else here >= view.near
+                face[box][nearer], depth[box][nearer], best[box][nearer] = owner, here[nearer], key[nearer]
+        if self.upside_down:
+            face, depth = face[::-1].copy(), depth[::-1].copy()
+        return VisibilityMap(face, depth, name)
+
+    def _triangles(self, view: View) -> Iterator[tuple[Floats, int, Placement]]:
+        """Yield corners (3, 3), face and object; corners in pixels from the middle, y up, and depth."""
         rows = clip_rows(view.clip_from_world, view.depth_row).astype(self.real)
         vertices = view.polygons.vertices.astype(self.real)
         clip = (vertices @ rows[:, :3].T + rows[:, 3]).astype(np.float64)
@@ -85,18 +134,39 @@ class Buffer:
             clip[:, 2] = 2.0 * view.near / (1.0 - z / w)  # without a far plane z / w is 1 - 2 near / d
         half = 0.5 * np.array([view.width, view.height])
         clip[:, :2] *= half / clip[:, 2:] if view.perspective else half
-        return clip[view.polygons.triangle_vertex]
+        if self.grid:
+            from_upper_left = _from_upper_left(view, clip)
+            clip[:, :2] = (np.trunc(from_upper_left * self.grid) / self.grid - half) * [1.0, -1.0]
+        things = view.object_of(view.triangle_face)
+        for corners, face, thing in zip(
+            clip[view.polygons.triangle_vertex], view.triangle_face, things, strict=True
+        ):
+            yield corners, int(face), view.placements[thing]
 
-    def _covered(self, screen: Floats, x: Floats, y: Floats) -> Bools:
-        """Tell which samples (H, W) a triangle covers; left and top edges own theirs."""
+    def _box(self, view: View, corners: Floats) -> Box:
+        """Return what holds all samples of a triangle, and no less than the reach of a wrong test."""
+        size = np.array([view.width, view.height])
+        corner = _from_upper_left(view, corners)
+        low, high = corner.min(axis=0) - 2.0, corner.max(axis=0) + 2.0
+        behind = view.perspective and (corners[:, 2] <= 0.0).any()
+        if behind or self.degenerate or self.whole is not None:
+            low, high = 0.0 * size, size
+        if self.short_box:
+            high = np.minimum(high, np.floor(corner.max(axis=0)))
+        (left, top), (right, bottom) = np.clip([np.floor(low), np.ceil(high)], 0, size).astype(int).tolist()
+        return slice(top, bottom), slice(left, right)
+
+    def _covered(self, corners: Floats, cull: int, x: Floats, y: Floats) -> Bools:
+        """Tell which samples a triangle covers; left and top edges own theirs."""
+        screen = corners[:, :2]
         if self.whole is not None:
             kind = self.whole
-            screen, x, y = (np.rint(a * GRID).astype(np.int64).astype(kind) for a in (screen[:, :2], x, y))
-        (ax, ay), (bx, by), (cx, cy) = screen[:, :2]
-        turn = np.sign((bx - ax) * (cy - ay) - (by - ay) * (cx - ax)) or self.inclusive
-        covered = np.full(x.shape, turn != 0)
+            screen, x, y = (np.rint(a * GRID).astype(np.int64).astype(kind) for a in (screen, x, y))
+        (ax, ay), (bx, by), (cx, cy) = screen
+        turn = np.sign((bx - ax) * (cy - ay) - (by - ay) * (cx - ax)) or self.degenerate
+        covered = np.full(x.shape, turn != 0 and cull != (1 if (turn < 0) != self.swapped else 2))
         for k in range(3):
-            (px, py), (qx, qy) = screen[k - 1, :2], screen[k, :2]
+            (px, py), (qx, qy) = screen[k - 1], screen[k]
             dx, dy = turn * (qx - px), turn * (qy - py)
             edge = dx * (y - py) - dy * (x - px)
             if self.epsilon:
@@ -106,32 +176,52 @@ class Buffer:
             covered &= (edge >= 0) if owns else (edge > 0)
         return covered
 
-    def _depth(self, screen: Floats, x: Floats, y: Floats, perspective: bool) -> Floats:
-        """Return the depth (H, W) of the plane of a triangle: depth or its inverse is affine in x and y."""
-        plane = screen.copy()
-        if perspective:
+    def _depth(self, view: View, corners: Floats, x: Floats, y: Floats) -> Floats:
+        """Return the depths of the plane of a triangle: depth or its inverse is affine in x and y."""
+        inverse, plane = view.perspective and self.divided, corners.copy()
+        if inverse:
             plane[:, 2] = 1.0 / plane[:, 2]
-        (ax, ay, az), b, c = plane
-        (ux, uy, uz), (vx, vy, vz) = b - plane[0], c - plane[0]
+        ax, ay, az = plane[0]
+        (ux, uy, uz), (vx, vy, vz) = plane[1:] - plane[0]
         area = ux * vy - uy * vx or np.inf  # without area it is level
         z_x, z_y = (uz * vy - vz * uy) / area, (ux * vz - vx * uz) / area
-        z = az + z_x * (x - ax) + z_y * (y - ay)
         if self.anchored:
-            z = _from_the_corner(x, y, (ax, ay, az), (z_x, z_y))
-        return np.asarray(1.0 / z if perspective else z)
+            # In float32, from the plane's value at the lower left corner of the picture.
+            left, bottom = np.floor(0.5 - 0.5 * view.width), np.floor(0.5 - 0.5 * view.height)
+            real, z_x, z_y = np.float32, np.float32(z_x), np.float32(z_y)
+            start = real(az) - z_x * real(ax - left) - z_y * real(ay - bottom)
+            z = start + z_x * (x - left).astype(real) + z_y * (y - bottom).astype(real)
+        else:
+            z = az + z_x * (x - ax) + z_y * (y - ay)
+        return np.asarray(1.0 / z if inverse else z)
+
+    def _key(self, view: View, depth: Floats, thing: Placement) -> Array:
+        """Return what the buffer keeps, of which the least is seen."""
+        if not self.nearest:
+            return np.zeros(depth.shape)
+        if self.unscaled:
+            return depth / abs(float(np.cbrt(np.linalg.det(thing.world_from_object[:3, :3]))))
+        return depth if self.stored is None else self.stored(view, depth)
 
 
-def _from_the_corner(
-    x: Floats, y: Floats, at: tuple[float, float, float], slope: tuple[float, float]
-) -> Floats:
-    """Evaluate a plane in float32 from its value at the lower left corner of the picture."""
-    left, bottom = np.floor(x.min()), np.floor(y.min())
-    z_x, z_y = np.float32(slope[0]), np.float32(slope[1])
-    start = np.float32(at[2]) - z_x * np.float32(at[0] - left) - z_y * np.float32(at[1] - bottom)
-    return np.asarray(start + z_x * (x - left).astype(np.float32) + z_y * (y - bottom).astype(np.float32))
+def _from_upper_left(view: View, corners: Floats) -> Floats:
+    """Return x and y (n, 2) of corners in pixels from the upper left of the picture, y down."""
+    return corners[:, :2] * [1.0, -1.0] + 0.5 * np.array([view.width, view.height])
 
 
 # ---------------------------------------------------------------- depth formats
+
+
+def levels_of_window(bits: int) -> Callable[[View, Floats], Array]:
+    """Store window depth as one of ``2**bits`` levels."""
+    top = 2.0**bits - 1.0
+
+    def stored(view: View, d: Floats) -> Array:
+        if view.perspective:
+            return np.rint((1.0 - view.near / d) / (1.0 - view.near / view.far) * top)
+        return np.rint((d - view.near) / (view.far - view.near) * top)
+
+    return stored
 
 
 def levels_of_logarithm(bits: int) -> Callable[[View, Floats], Array]:

@@ -11,7 +11,8 @@ import hsr
 from hsr.algorithms import exact
 from hsr.base.errors import UnavailableError
 from hsr.difference.cause import causes
-from hsr.mistakes.planted import MISTAKES, Renderer
+from hsr.mistakes.planted import MISTAKES
+from hsr.mistakes.renderers import Buffer
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View
 from tests.difference.planted import VIEWS
@@ -72,7 +73,7 @@ def test_what_opengl_rounds_does_not_excuse_a_mistake(mistake: str) -> None:
 @pytest.mark.parametrize("name", VIEWS)
 def test_the_renderer_without_a_mistake_is_right(visibility: Any, name: str) -> None:
     seen, truth = problem(name)
-    visibility.agree({"renderer": Renderer().render(seen, "scanline")}, truth, scene=seen)
+    visibility.agree({"renderer": Buffer().render(seen, "scanline")}, truth, scene=seen)
 
 
 @pytest.mark.parametrize("name", VIEWS)

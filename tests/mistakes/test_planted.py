@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import hsr
-from hsr.base.errors import MethodError
-from hsr.mistakes.planted import MISTAKES, Renderer, planted
+from hsr.base.errors import ViewError
+from hsr.mistakes.planted import MISTAKES, planted
+from hsr.mistakes.renderers import Buffer
 from hsr.problem.view import View
 from hsr.testing.limits import Limits
 from hsr.testing.problems import Problem
@@ -30,7 +31,7 @@ def view(request: pytest.FixtureRequest, make_scene: Any) -> View:
 
 
 def test_without_a_mistake_it_is_right(visibility: Any, view: View) -> None:
-    visibility.agree({"renderer": Renderer().render(view, "renderer")}, hsr.render(view, "exact"))
+    visibility.agree({"renderer": Buffer().render(view, "renderer")}, hsr.render(view, "exact"))
 
 
 def test_a_planted_mistake_changes_what_it_changes(view: View) -> None:
@@ -50,6 +51,6 @@ def test_a_strict_check_overlooks_nothing_that_shows(view: View) -> None:
 
 def test_curved_shapes_must_be_tessellated(make_scene: Any) -> None:
     round_view = hsr.view(make_scene([{"name": "ball", "shape": "sphere"}]), (16, 16))
-    with pytest.raises(MethodError, match="object 'ball' is curved"):
-        Renderer().render(round_view, "")
+    with pytest.raises(ViewError, match="object 'ball' is curved"):
+        Buffer().render(round_view, "")
     assert (planted("flipped y", hsr.render(round_view, "exact"), round_view).face >= -1).all()

@@ -120,7 +120,10 @@ def tiny_grid(zoom: float, _: int) -> Scene:
     sweep=(*powers_of_two(-1, -19, 2), 0.0),
     variants=(
         Variant(
-            "inclusive", 0.5, "always: a triangle without area has no outside", mistake=Buffer(inclusive=True)
+            "inclusive",
+            0.5,
+            "always: a triangle without area has no outside",
+            mistake=Buffer(inclusive=True, degenerate=True),
         ),
         Variant("scanline-direct", None, "no area, no span"),
     ),
