@@ -2,7 +2,7 @@
 
 The map is the driver's own: float32 vertices and matrix, corners snapped to its sub-pixel grid, a
 depth buffer of 24 bits unless another is asked for. See :mod:`hsr.gl.drawing` for how it is drawn, and
-:mod:`hsr.gl.contexts` for which driver draws, and with how many threads.
+:mod:`hsr.gl.backends` for which driver draws, and with how many threads.
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from hsr.base.errors import MethodError
-from hsr.gl.contexts import BACKENDS, Context, shared_context
+from hsr.gl.backends import BACKENDS, shared_context
+from hsr.gl.context import Context
 from hsr.gl.depth import DEPTH_BUFFERS, DepthBuffer
 from hsr.gl.drawing import Drawing
 from hsr.problem.map import Clock, VisibilityMap, depth_format

@@ -118,7 +118,7 @@ def probe(backend: str) -> dict[str, Any]:
         ``samples`` are ``different`` from zbuffer's in a small scene; a few may be, along edges.
         If not, ``problem``.
     """
-    from hsr.gl.contexts import BACKENDS
+    from hsr.gl.backends import BACKENDS
     from hsr.gl.depth import D24
 
     try:

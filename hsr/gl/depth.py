@@ -12,16 +12,14 @@ import ctypes
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import moderngl
 
 from hsr.base.arrays import Floats
 from hsr.base.errors import NoOpenGLError
+from hsr.gl.context import Context
 from hsr.problem.view import View
-
-if TYPE_CHECKING:
-    import moderngl
-
-    from hsr.gl.contexts import Context
 
 # Names and values of OpenGL's own header.
 GL_TEXTURE_2D, GL_DEPTH_COMPONENT, GL_FLOAT = 0x0DE1, 0x1902, 0x1406

@@ -9,20 +9,16 @@ is the driver's rule: OpenGL only promises one owner for an edge two triangles s
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import moderngl
 import numpy as np
 
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.errors import MethodError
+from hsr.gl.context import Context
 from hsr.gl.depth import D24, DepthBuffer, clip_range, depth_texture
 from hsr.problem.geometry import CULL, WorldPolygons
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import View
-
-if TYPE_CHECKING:
-    from hsr.gl.contexts import Context
 
 VERTEX_SHADER = """
 #version 330
@@ -59,7 +55,8 @@ class Triangles:
         with context.gl as gl:
             corner = gl.buffer(np.ascontiguousarray(polygons.triangle_vertex))
             content = [(gl.buffer(vertices), "3f", "vertex")]
-            self.array = gl.vertex_array(context.program, content, index_buffer=corner)
+            program = context.program(VERTEX_SHADER, FRAGMENT_SHADER)
+            self.array = gl.vertex_array(program, content, index_buffer=corner)
         self.face_of = np.append(np.int32(BACKGROUND), polygons.triangle_face)
         self.runs = _runs(polygons.cull[polygons.triangle_polygon])
         self.vertices = len(vertices)
@@ -116,11 +113,12 @@ class Drawing:
             self._frame.use()
             # Of an integer attachment moderngl sets the bits of 0.0, which are 0.
             self._frame.clear(depth=self._buffer.cleared_to)
-            self._context.program["clip_from_world"] = self._matrix
+            program = self._context.program(VERTEX_SHADER, FRAGMENT_SHADER)
+            program["clip_from_world"] = self._matrix
             gl.depth_func = ">" if self._buffer.reversed else "<"
             for cull, first, count in self._triangles.runs:
                 _set_culling(gl, cull)
-                self._context.program["first"] = first
+                program["first"] = first
                 self._triangles.array.render(vertices=3 * count, first=3 * first)
             gl.finish()
 

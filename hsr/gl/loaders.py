@@ -9,9 +9,11 @@ context is current, which lets contexts of both kinds live side by side.
 from __future__ import annotations
 
 import ctypes
+from abc import ABC, abstractmethod
+from contextlib import suppress
 from ctypes.util import find_library
 from threading import Lock
-from typing import Protocol
+from typing import Any
 
 from glcontext import egl
 
@@ -32,23 +34,55 @@ OSMESA_CONTEXT_MAJOR_VERSION, OSMESA_CONTEXT_MINOR_VERSION = 0x36, 0x37
 GL_UNSIGNED_BYTE = 0x1401
 
 
-class Loader(Protocol):
-    """The part of a window system that moderngl uses."""
+SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
+    "OSMesaCreateContextAttribs": (ctypes.c_void_p, [ctypes.POINTER(ctypes.c_int), ctypes.c_void_p]),
+    "OSMesaMakeCurrent": (
+        ctypes.c_ubyte,
+        [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_uint, ctypes.c_int, ctypes.c_int],
+    ),
+    "OSMesaGetProcAddress": (ctypes.c_void_p, [ctypes.c_char_p]),
+    "OSMesaDestroyContext": (None, [ctypes.c_void_p]),
+}
+"""Of the functions of OSMesa that are called: what they return and take."""
 
+
+class Loader(ABC):
+    """The part of a window system that moderngl uses; one thread at a time holds it."""
+
+    def __init__(self) -> None:
+        self._lock = Lock()
+
+    @abstractmethod
     def load_opengl_function(self, name: str) -> int:
         """Return the address of a function of OpenGL, 0 where there is none."""
 
-    def __enter__(self) -> object:
+    @abstractmethod
+    def take(self) -> None:
         """Make the context current for this thread."""
 
-    def __exit__(self, *exception: object) -> None:
+    @abstractmethod
+    def leave(self) -> None:
         """Leave this thread without a context."""
 
+    @abstractmethod
     def release(self) -> None:
         """Destroy the context, which must not be current."""
 
+    def __enter__(self) -> Loader:
+        self._lock.acquire()
+        try:
+            self.take()
+        except BaseException:
+            self._lock.release()
+            raise
+        return self
 
-class OSMesa:
+    def __exit__(self, *exception: object) -> None:
+        self.leave()
+        self._lock.release()
+
+
+class OSMesa(Loader):
     """A context of Mesa's off-screen library, which draws in memory and needs no device.
 
     Raises
@@ -58,6 +92,7 @@ class OSMesa:
     """
 
     def __init__(self) -> None:
+        super().__init__()
         self._library = _osmesa_library()
         attributes = (
             *(OSMESA_FORMAT, OSMESA_RGBA),
@@ -72,24 +107,19 @@ class OSMesa:
             raise NoOpenGLError("OSMesa makes no context of OpenGL {}.{}".format(*VERSION))
         # A context is made current together with a picture; ours stays unused, one pixel small.
         self._picture = (ctypes.c_ubyte * 4)()
-        self._lock = Lock()
 
     def load_opengl_function(self, name: str) -> int:
         """Return the address of a function of OpenGL, 0 where there is none."""
         return self._library.OSMesaGetProcAddress(name.encode()) or 0
 
-    def __enter__(self) -> OSMesa:
+    def take(self) -> None:
         """Make the context current for this thread."""
-        self._lock.acquire()
         if not self._library.OSMesaMakeCurrent(self._context, self._picture, GL_UNSIGNED_BYTE, 1, 1):
-            self._lock.release()
             raise NoOpenGLError("OSMesa refuses to make its context current")
-        return self
 
-    def __exit__(self, *exception: object) -> None:
+    def leave(self) -> None:
         """Leave this thread without a context."""
         self._library.OSMesaMakeCurrent(None, None, 0, 0, 0)
-        self._lock.release()
 
     def release(self) -> None:
         """Destroy the context, which must not be current."""
@@ -99,17 +129,9 @@ class OSMesa:
 def _osmesa_library() -> ctypes.CDLL:
     library = _first_library([*OSMESA_LIBRARIES, find_library("OSMesa")])
     try:
-        library.OSMesaCreateContextAttribs.restype = ctypes.c_void_p
-        library.OSMesaCreateContextAttribs.argtypes = [ctypes.POINTER(ctypes.c_int), ctypes.c_void_p]
-        library.OSMesaMakeCurrent.restype = ctypes.c_ubyte
-        library.OSMesaMakeCurrent.argtypes = [
-            *(ctypes.c_void_p, ctypes.c_void_p),
-            *(ctypes.c_uint, ctypes.c_int, ctypes.c_int),
-        ]
-        library.OSMesaGetProcAddress.restype = ctypes.c_void_p
-        library.OSMesaGetProcAddress.argtypes = [ctypes.c_char_p]
-        library.OSMesaDestroyContext.restype = None
-        library.OSMesaDestroyContext.argtypes = [ctypes.c_void_p]
+        for name, (result, parameters) in SIGNATURES.items():
+            function = getattr(library, name)
+            function.restype, function.argtypes = result, parameters
     except AttributeError as error:
         raise NoOpenGLError(f"this OSMesa is too old: {error}") from error
     return library
@@ -117,14 +139,12 @@ def _osmesa_library() -> ctypes.CDLL:
 
 def _first_library(names: list[str | None]) -> ctypes.CDLL:
     for name in filter(None, names):
-        try:
+        with suppress(OSError):
             return ctypes.CDLL(name)
-        except OSError:
-            continue
     raise NoOpenGLError(f"{OSMESA_LIBRARIES[0]} is not installed")
 
 
-class EGL:
+class EGL(Loader):
     """A context of one EGL device, without a surface; glcontext makes it.
 
     The libraries are named with their versions: those without belong to development packages.
@@ -141,6 +161,7 @@ class EGL:
     """
 
     def __init__(self, device: int) -> None:
+        super().__init__()
         try:
             self._context = egl.create_context(
                 mode="standalone",
@@ -152,22 +173,18 @@ class EGL:
         except Exception as error:  # glcontext raises no narrower class
             raise NoOpenGLError(str(error)) from error
         self._context.__exit__()  # glcontext leaves a new context current
-        self._lock = Lock()
 
     def load_opengl_function(self, name: str) -> int:
         """Return the address of a function of OpenGL, 0 where there is none."""
         return int(self._context.load_opengl_function(name))
 
-    def __enter__(self) -> EGL:
+    def take(self) -> None:
         """Make the context current for this thread."""
-        self._lock.acquire()
         self._context.__enter__()
-        return self
 
-    def __exit__(self, *exception: object) -> None:
+    def leave(self) -> None:
         """Leave this thread without a context."""
         self._context.__exit__()
-        self._lock.release()
 
     def release(self) -> None:
         """Destroy the context, which must not be current."""

@@ -7,18 +7,14 @@ and once be kept from it. No sample lies on an edge, nor where the two meet.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from hsr.gl.context import Context
 from hsr.gl.depth import D24
 from hsr.gl.drawing import Drawing
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import CULL, Placement, View
 from hsr.scene.shapes import Kind, Polygons, Shape
-
-if TYPE_CHECKING:
-    from hsr.gl.contexts import Context
 
 PICTURE = """
 . . . . . . . .

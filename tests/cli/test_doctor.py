@@ -9,7 +9,7 @@ import pytest
 
 from hsr.base.errors import UnavailableError
 from hsr.cli import doctor
-from hsr.gl import contexts
+from hsr.gl import backends
 from tests.gl.conftest import opened
 
 DRAWS = {
@@ -89,7 +89,7 @@ def test_a_backend_that_does_not_open_is_a_finding(monkeypatch: pytest.MonkeyPat
     def gone() -> Any:
         raise UnavailableError("softpipe draws 44 of 64 samples of the test picture wrong")
 
-    monkeypatch.setitem(contexts.BACKENDS, "egl", gone)
+    monkeypatch.setitem(backends.BACKENDS, "egl", gone)
     assert doctor.probe("egl") == {
         "draws": False,
         "problem": "softpipe draws 44 of 64 samples of the test picture wrong",

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import pytest
 
 from hsr.base.errors import UnavailableError
-from hsr.gl.contexts import BACKENDS, Context, open_context
+from hsr.gl.backends import BACKENDS, open_context
+from hsr.gl.context import Context
 
 
 def opened(backend: str) -> Context:

@@ -8,7 +8,7 @@ import pytest
 
 import hsr
 from hsr.base.errors import MethodError
-from hsr.gl.contexts import Context
+from hsr.gl.context import Context
 from hsr.gl.depth import D24
 from hsr.gl.drawing import Drawing, depth_of_window
 from hsr.problem.view import View

@@ -12,7 +12,8 @@ import pytest
 from hsr.base.arrays import Floats, Ints
 from hsr.base.errors import UnavailableError
 from hsr.gl.depth import D24, DEPTH_BUFFERS, DepthBuffer
-from hsr.models.llvmpipe.driver import Driver, Prediction, Stage, predict
+from hsr.models.llvmpipe.driver import STAGES, Driver, Prediction, predict
+from hsr.models.stages import Cause
 from hsr.problem.view import View, view
 from hsr.scene.model import Scene
 from hsr.scene.shapes import Kind, Polygons, Shape
@@ -41,7 +42,7 @@ def parallel(*triangles: Any, cull: str = "none", **camera: Any) -> View:
     return scene_of([np.array(triangles, dtype=np.float64)], PARALLEL | camera, (8, 8), [cull])
 
 
-def faces(seen: View, upto: Stage, **driver: Any) -> Ints:
+def faces(seen: View, upto: Cause, **driver: Any) -> Ints:
     return predict(seen, upto, Driver(**driver)).face
 
 
@@ -77,7 +78,7 @@ def random_view(seed: int) -> View:
 
 @pytest.fixture(scope="module")
 def llvmpipe() -> Any:
-    from hsr.gl.contexts import shared_context
+    from hsr.gl.backends import shared_context
 
     try:
         context = shared_context("auto")
@@ -178,15 +179,15 @@ def test_the_first_model_is_exact_on_rounded_input(seed: int) -> None:
     if seed % 3 == 0:
         corners = np.round(corners * 2) / 2
     seen = scene_of([corners], camera, (9, 7), ["none"])
-    assert np.array_equal(faces(seen, Stage.INPUT_ROUNDING), brute(seen))
+    assert np.array_equal(faces(seen, Cause.INPUT_ROUNDING), brute(seen))
 
 
 # ---------------------------------------------------------------- one stage at a time
 
 
-def change(seen: View, stage: Stage, **driver: Any) -> tuple[list[list[int]], Prediction]:
+def change(seen: View, stage: Cause, **driver: Any) -> tuple[list[list[int]], Prediction]:
     """Samples [row, column] whose owner a stage changes, and what is shown after it."""
-    before, after = predict(seen, Stage(stage - 1), Driver(**driver)), predict(seen, stage, Driver(**driver))
+    before, after = predict(seen, Cause(stage - 1), Driver(**driver)), predict(seen, stage, Driver(**driver))
     return np.argwhere(before.face != after.face).tolist(), after
 
 
@@ -200,7 +201,7 @@ def square(z: float) -> list[list[list[float]]]:
 
 def test_the_transform_loses_what_a_sum_loses() -> None:
     seen = parallel(*square(0.0), *square(2.0**-30))
-    samples, after = change(seen, Stage.TRANSFORM)
+    samples, after = change(seen, Cause.TRANSFORM)
     assert len(samples) == 64
     assert set(after.face.ravel()) == {0, 1}
 
@@ -208,7 +209,7 @@ def test_the_transform_loses_what_a_sum_loses() -> None:
 def test_clipping_moves_an_edge_off_the_samples_it_ran_through() -> None:
     # The lower edge has slope 1/3, runs through samples, and is cut at the right side of the image.
     seen = parallel([[-3.5, -3.5, 0.0], [23.5, 5.5, 0.0], [-3.5, 30.5, 0.0]])
-    samples, after = change(seen, Stage.CLIPPING)
+    samples, after = change(seen, Cause.CLIPPING)
     assert samples == [[5, 6], [6, 3]]
     assert after.face[5, 6] == after.face[6, 3] == 0
 
@@ -217,30 +218,30 @@ def test_clipping_moves_an_edge_off_the_samples_it_ran_through() -> None:
 def test_snapping_rounds_corners_to_a_grid(offset: float, moved: bool) -> None:
     left = 0.5 + offset  # just right of the samples of column 4
     seen = parallel([[left, -3.0, 0.0], [3.0, 0.0, 0.0], [left, 3.0, 0.0]])
-    samples, _ = change(seen, Stage.VERTEX_SNAPPING)
+    samples, _ = change(seen, Cause.VERTEX_SNAPPING)
     assert samples == ([[row, 4] for row in range(1, 7)] if moved else [])
-    assert change(seen, Stage.VERTEX_SNAPPING, subpixel_bits=4)[0]
+    assert change(seen, Cause.VERTEX_SNAPPING, subpixel_bits=4)[0]
 
 
 def test_the_fill_rule_gives_horizontal_edges_away() -> None:
     seen = parallel([[-2.5, -1.5, 0.0], [1.5, -1.5, 0.0], [-2.5, 1.5, 0.0]])
-    samples, after = change(seen, Stage.FILL_RULE)
+    samples, after = change(seen, Cause.FILL_RULE)
     assert samples == [[5, 1], [5, 2], [5, 3], [5, 4]]
     assert (after.face[5, 1:5] == 0).all()
-    assert change(seen, Stage.FILL_RULE, bottom_left=False)[0] == []
+    assert change(seen, Cause.FILL_RULE, bottom_left=False)[0] == []
 
 
 def test_depth_arithmetic_does_not_draw_what_lies_on_the_far_plane() -> None:
     seen = parallel(*square(-6.0))
-    samples, after = change(seen, Stage.DEPTH_ARITHMETIC)
+    samples, after = change(seen, Cause.DEPTH_ARITHMETIC)
     assert len(samples) == 64
     assert (after.face == -1).all() and (after.window == 1.0).all()
 
 
 def test_the_depth_format_makes_ties_of_what_is_closer_than_its_step() -> None:
     seen = parallel(*square(9.5), *square(9.5 + 2.0**-20))  # 1 / 2**24 of the depth range, near 0
-    assert set(faces(seen, Stage.DEPTH_ARITHMETIC).ravel()) == {2, 3}
-    samples, after = change(seen, Stage.DEPTH_FORMAT, depth=DEPTH_BUFFERS["d16"])
+    assert set(faces(seen, Cause.DEPTH_ARITHMETIC).ravel()) == {2, 3}
+    samples, after = change(seen, Cause.DEPTH_FORMAT, depth=DEPTH_BUFFERS["d16"])
     assert len(samples) == 64
     assert set(after.face.ravel()) == {0, 1}
     assert np.array_equal(after.window * 65535, np.full((8, 8), 2048.0))
@@ -249,8 +250,8 @@ def test_the_depth_format_makes_ties_of_what_is_closer_than_its_step() -> None:
 # ---------------------------------------------------------------- culling
 
 
-@pytest.mark.parametrize("upto", Stage)
-def test_culling_by_the_side_a_triangle_shows(upto: Stage) -> None:
+@pytest.mark.parametrize("upto", STAGES)
+def test_culling_by_the_side_a_triangle_shows(upto: Cause) -> None:
     front = [[-3.0, -3.0, 0.0], [3.0, -3.0, 0.0], [0.0, 3.0, 0.0]]
     shown = {cull: (faces(parallel(front, front[::-1], cull=cull), upto)).max() for cull in ("back", "front")}
     assert shown == {"back": 0, "front": 1}
@@ -261,11 +262,11 @@ def test_a_clipped_batch_is_culled_before_it_is_snapped_too() -> None:
     lower_half = [[4, 4], [5, 4], [6, 4]]
     for others, batch, expected in (([], 341, lower_half), ([CROSSING], 1, lower_half), ([CROSSING], 2, [])):
         seen = parallel(TURNED, *others, cull="back")
-        assert np.argwhere(faces(seen, Stage.DEPTH_FORMAT, batch=batch) == 0).tolist() == expected
+        assert np.argwhere(faces(seen, Cause.DEPTH_FORMAT, batch=batch) == 0).tolist() == expected
 
 
-@pytest.mark.parametrize("upto", Stage)
-def test_nothing_is_seen_of_what_lies_behind_the_eye(upto: Stage) -> None:
+@pytest.mark.parametrize("upto", STAGES)
+def test_nothing_is_seen_of_what_lies_behind_the_eye(upto: Cause) -> None:
     camera = {"type": "perspective", "eye": [0.0, 0.0, 0.0], "target": [0.0, 0.0, -1.0]}
     behind = np.array([[[-1.0, -1.0, 2.0], [1.0, -1.0, 2.0], [0.0, 1.0, 0.0]]])
     assert (faces(scene_of([behind], camera, (8, 8), ["none"]), upto) == -1).all()

@@ -11,8 +11,9 @@ import moderngl
 import pytest
 
 from hsr.base.errors import UnavailableError
-from hsr.gl import contexts, drawing, selftest
-from hsr.gl.contexts import Context, open_context
+from hsr.gl import backends, drawing, selftest
+from hsr.gl.backends import open_context
+from hsr.gl.context import Context
 from hsr.gl.loaders import OSMesa
 from hsr.gl.selftest import flaw
 from tests.gl.conftest import opened
@@ -58,7 +59,7 @@ def test_a_context_that_opens_and_does_not_draw_is_refused() -> None:
     opened("osmesa").release()
     code = (
         "import os; os.environ['GALLIUM_DRIVER'] = 'softpipe'\n"
-        "from hsr.gl.contexts import open_context\n"
+        "from hsr.gl.backends import open_context\n"
         "from hsr.base.errors import UnavailableError\n"
         "try: print('draws', open_context('osmesa').renderer)\n"
         "except UnavailableError as error: print('refused', error)"
@@ -90,9 +91,10 @@ def walk(devices: dict[int, str], monkeypatch: pytest.MonkeyPatch) -> tuple[str,
         return devices[index]
 
     FakeContext.released = []
-    monkeypatch.setattr(contexts, "EGL", device)
-    monkeypatch.setattr(contexts, "Context", FakeContext)
-    return contexts._open_egl().renderer, FakeContext.released
+    monkeypatch.setattr(backends, "EGL", device)
+    monkeypatch.setattr(backends, "Context", FakeContext)
+    monkeypatch.setattr(backends, "flaw", lambda _context: None)
+    return backends._open_egl().renderer, FakeContext.released
 
 
 def test_egl_prefers_the_device_of_llvmpipe(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -119,12 +121,12 @@ def refuse(reason: str) -> Any:
 
 
 def test_the_first_backend_that_draws_is_used(context: Context, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(contexts, "BACKENDS", {"osmesa": refuse("gone"), "egl": lambda: context})
+    monkeypatch.setattr(backends, "BACKENDS", {"osmesa": refuse("gone"), "egl": lambda: context})
     assert open_context("auto") is context
 
 
 def test_no_backend_is_one_clear_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(contexts, "BACKENDS", {"osmesa": refuse("gone"), "egl": refuse("no device")})
+    monkeypatch.setattr(backends, "BACKENDS", {"osmesa": refuse("gone"), "egl": refuse("no device")})
     with pytest.raises(UnavailableError) as caught:
         open_context("auto")
     assert str(caught.value) == (
@@ -188,7 +190,7 @@ def test_contexts_come_and_go_without_leaving_handles(backend: str) -> None:
 
 def test_the_interpreter_ends_cleanly(backend: str) -> None:
     code = (
-        "from hsr.gl.contexts import open_context, shared_context\n"
+        "from hsr.gl.backends import open_context, shared_context\n"
         f"open_context('{backend}'); print(shared_context('{backend}').backend)"
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
