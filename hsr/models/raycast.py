@@ -31,9 +31,11 @@ from hsr.algorithms.prepare.ray_tiles import clip_matrices
 from hsr.algorithms.raycast import Options, as_float32, cast_by_list, render, screen_matrices
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.models.rounded import seen_along_third, true_faces
-from hsr.models.stages import Cause, Pipeline, Stage, rerun
+from hsr.models.stages import Cause, Stage, at_samples, ending, rerun
 from hsr.problem.view import Placement, View
 from hsr.scene.shapes import Kind
+
+RENDERED = rerun(render)
 
 
 def _on_screen(view: View) -> View:
@@ -92,24 +94,14 @@ def traversal(view: View, options: Options, samples: Array) -> Ints:
     """Model what the traversal of the objects may have left out."""
     if options.acceleration == "tiles":
         return transform(view, options, samples)
-    own = intersector(view, options, samples)
+    own = at_samples(RENDERED, view, options, samples)
     return np.where(cast_by_list(view, options, samples) == own, transform(view, options, samples), own)
 
 
-rendered = rerun(render)
-
-
-def intersector(view: View, options: Options, samples: Array) -> Ints:
-    """Run the method: the tests of rays with faces, and the comparison of their hits."""
-    return rendered(view, options)[0].ravel()[samples]
-
-
-PIPELINE = Pipeline(
-    (
-        Stage(Cause.INPUT_ROUNDING, input_rounding),
-        Stage(Cause.TRANSFORM, transform),
-        Stage(Cause.TRAVERSAL, traversal),
-        Stage(Cause.INTERSECTOR, intersector),
-    ),
-    rendered,
+PIPELINE = ending(
+    RENDERED,
+    Cause.INTERSECTOR,
+    Stage(Cause.INPUT_ROUNDING, input_rounding),
+    Stage(Cause.TRANSFORM, transform),
+    Stage(Cause.TRAVERSAL, traversal),
 )

@@ -16,6 +16,7 @@ import numpy as np
 from hsr.algorithms import exact
 from hsr.base.arrays import Array, Bools, Ints
 from hsr.exact.oracle import truth
+from hsr.models.stages import Cause, Stage
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import Placement, View, WorldPolygons
 from hsr.scene.shapes import Kind, Shape
@@ -38,6 +39,9 @@ def tessellated_truth(view: View) -> VisibilityMap:
 def tessellation(view: View, options: object, samples: Array) -> Ints:  # noqa: ARG001
     """Model the stage common to all methods that know no curved shapes."""
     return tessellated_truth(view).face.ravel()[samples]
+
+
+TESSELLATED = Stage(Cause.TESSELLATION, tessellation)
 
 
 def of_polygons(view: View, polygons: WorldPolygons, chosen: Bools) -> View:

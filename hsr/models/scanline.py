@@ -46,14 +46,8 @@ from hsr.kernels.clipping import clip_polygons, view_volume
 from hsr.kernels.polygon_table import polygon_table
 from hsr.kernels.projection import clip_rows, to_clip
 from hsr.kernels.strips import scan_convert
-from hsr.models.rounded import (
-    of_polygons,
-    seen_along_third,
-    seen_from_front,
-    tessellation,
-    true_faces,
-)
-from hsr.models.stages import Cause, Pipeline, Stage, rerun
+from hsr.models.rounded import TESSELLATED, of_polygons, seen_along_third, seen_from_front, true_faces
+from hsr.models.stages import Cause, Stage, ending, rerun
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import View, WorldPolygons
 
@@ -270,24 +264,14 @@ def depth_arithmetic(view: View, options: Options, samples: Array) -> Ints:
     return np.asarray(face.ravel()[samples])
 
 
-rendered = rerun(render)
-
-
-def depth_format(view: View, options: Options, samples: Array) -> Ints:
-    """Run the method: all its arithmetic, and what the buffer holds of it."""
-    return rendered(view, options)[0].ravel()[samples]
-
-
-PIPELINE = Pipeline(
-    (
-        Stage(Cause.TESSELLATION, tessellation),
-        Stage(Cause.INPUT_ROUNDING, input_rounding),
-        Stage(Cause.TRANSFORM, transform),
-        Stage(Cause.CLIPPING, clipping),
-        Stage(Cause.VERTEX_SNAPPING, vertex_snapping),
-        Stage(Cause.FILL_RULE, fill_rule),
-        Stage(Cause.DEPTH_ARITHMETIC, depth_arithmetic),
-        Stage(Cause.DEPTH_FORMAT, depth_format),
-    ),
-    rendered,
+PIPELINE = ending(
+    rerun(render),
+    Cause.DEPTH_FORMAT,
+    TESSELLATED,
+    Stage(Cause.INPUT_ROUNDING, input_rounding),
+    Stage(Cause.TRANSFORM, transform),
+    Stage(Cause.CLIPPING, clipping),
+    Stage(Cause.VERTEX_SNAPPING, vertex_snapping),
+    Stage(Cause.FILL_RULE, fill_rule),
+    Stage(Cause.DEPTH_ARITHMETIC, depth_arithmetic),
 )

@@ -36,6 +36,10 @@ class Cause(IntEnum):
         return self.name.lower().replace("_", " ")
 
 
+Whole = Callable[[View, Any], tuple[Ints, Floats]]
+"""A model of whole maps: from the view and the method's options to face and depth (H, W)."""
+
+
 class Stage(NamedTuple):
     """One stage of a pipeline, and the model that works like the method up to and with it.
 
@@ -61,15 +65,14 @@ class Pipeline:
     stages : tuple of Stage
         The last works like the method from end to end.
     whole : callable or None
-        From the view and the options to the face (H, W) and depth (H, W) of the last model; None if
-        that can only be asked for single samples.
+        The last model; None if that can only be asked for single samples.
     """
 
     stages: tuple[Stage, ...]
-    whole: Callable[[View, Any], tuple[Ints, Floats]] | None
+    whole: Whole | None
 
 
-def rerun(render: Callable[[View, Any], VisibilityMap]) -> Callable[[View, Any], tuple[Ints, Floats]]:
+def rerun(render: Callable[[View, Any], VisibilityMap]) -> Whole:
     """Return the last model of a method: the method run again, for its faces and depths (H, W).
 
     The last answer is kept for the next question about the same view.
@@ -81,3 +84,13 @@ def rerun(render: Callable[[View, Any], VisibilityMap]) -> Callable[[View, Any],
         return again.face, again.depth
 
     return rendered
+
+
+def ending(whole: Whole, cause: Cause, *before: Stage) -> Pipeline:
+    """Return the pipeline whose last stage is looked up in whole maps."""
+    return Pipeline((*before, Stage(cause, lambda *asked: at_samples(whole, *asked))), whole)
+
+
+def at_samples(whole: Whole, view: View, options: Any, samples: Array) -> Ints:
+    """Return the face ids (n,) that a model of whole maps shows at samples."""
+    return whole(view, options)[0].ravel()[samples]

@@ -17,8 +17,8 @@ from hsr.algorithms.zbuffer import Options, clustered, draw, eye_of, mesh_of, re
 from hsr.base.arrays import Array, Ints
 from hsr.kernels.projection import clip_rows
 from hsr.models import scanline as scanned
-from hsr.models.rounded import tessellation
-from hsr.models.stages import Cause, Pipeline, Stage, rerun
+from hsr.models.rounded import TESSELLATED
+from hsr.models.stages import Cause, Stage, ending, rerun
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import View
 
@@ -27,8 +27,8 @@ FLOAT64 = scanline.Options()
 Model = Callable[[View, scanline.Options, Array], Ints]
 
 
-def _shared(model: Model) -> Callable[[View, Options, Array], Ints]:
-    """Make a model of the depth buffer in float64 one of this method."""
+def _in_float64(model: Model) -> Callable[[View, Options, Array], Ints]:
+    """Make a model of scan conversion one of this method, which works as it does in float64."""
     return lambda view, _, samples: model(view, FLOAT64, samples)
 
 
@@ -52,21 +52,11 @@ def _drawn(view: View, layers: list[list[int]]) -> Iterator[Ints]:
         yield answer[0]
 
 
-rendered = rerun(render)
-
-
-def depth_format(view: View, options: Options, samples: Array) -> Ints:
-    """Run the method: its depths, rounded to keys."""
-    return rendered(view, options)[0].ravel()[samples]
-
-
-PIPELINE = Pipeline(
-    (
-        Stage(Cause.TESSELLATION, tessellation),
-        Stage(Cause.INPUT_ROUNDING, _shared(scanned.input_rounding)),
-        Stage(Cause.TRANSFORM, _shared(scanned.transform)),
-        Stage(Cause.FILL_RULE, fill_rule),
-        Stage(Cause.DEPTH_FORMAT, depth_format),
-    ),
-    rendered,
+PIPELINE = ending(
+    rerun(render),
+    Cause.DEPTH_FORMAT,
+    TESSELLATED,
+    Stage(Cause.INPUT_ROUNDING, _in_float64(scanned.input_rounding)),
+    Stage(Cause.TRANSFORM, _in_float64(scanned.transform)),
+    Stage(Cause.FILL_RULE, fill_rule),
 )

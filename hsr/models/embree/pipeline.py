@@ -26,8 +26,8 @@ import numpy as np
 from hsr.algorithms.embree import Options, handed_over, rays, render
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.models.embree.float32 import MISS, distances
-from hsr.models.rounded import of_polygons, tessellation, true_faces
-from hsr.models.stages import Cause, Pipeline, Stage, rerun
+from hsr.models.rounded import TESSELLATED, of_polygons, true_faces
+from hsr.models.stages import Cause, Pipeline, Stage, at_samples, rerun
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import View
 
@@ -46,6 +46,9 @@ Each of the six products has three factors, two of them sums: with the sums of t
 twenty roundings of 2^-53. The sum of the magnitudes of the products is at most twice the product of the
 lengths.
 """
+
+
+RENDERED = rerun(render)
 
 
 def input_rounding(view: View, options: Options, samples: Array) -> Ints:  # noqa: ARG001
@@ -71,14 +74,11 @@ def transform(view: View, options: Options, samples: Array) -> Ints:
     return shown
 
 
-rendered = rerun(render)
-
-
 def intersector(view: View, options: Options, samples: Array) -> Ints:
     """Model Embree's test of a ray with a triangle."""
     vertices, corner, face = handed_over(view)
     corners, reach = vertices[corner], np.float32(view.far - view.near)
-    own = rendered(view, options)[0].ravel()[samples]
+    own = at_samples(RENDERED, view, options, samples)
     at = (distances(*ray, corners, reach) for ray in _rays_of(view, samples))
     return np.array([_nearest(t, face, shown) for t, shown in zip(at, own, strict=True)], dtype=np.int32)
 
@@ -162,7 +162,7 @@ def _dot(a: Vector, b: Vector) -> Fraction:
 
 PIPELINE = Pipeline(
     (
-        Stage(Cause.TESSELLATION, tessellation),
+        TESSELLATED,
         Stage(Cause.INPUT_ROUNDING, input_rounding),
         Stage(Cause.TRANSFORM, transform),
         Stage(Cause.INTERSECTOR, intersector),

@@ -33,13 +33,13 @@ the very end.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from enum import IntEnum
 
 import numpy as np
 
 from hsr.base.arrays import Array, Bools, Floats, Ints
 from hsr.gl.depth import D24, DepthBuffer
 from hsr.models.llvmpipe import float32
+from hsr.models.stages import Cause
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import CULL, View
 
@@ -47,16 +47,8 @@ XYW = [0, 1, 3]
 """The clip coordinates that decide where on the screen a point is."""
 
 
-class Stage(IntEnum):
-    """The stages of the pipeline, in order."""
-
-    INPUT_ROUNDING = 0
-    TRANSFORM = 1
-    CLIPPING = 2
-    VERTEX_SNAPPING = 3
-    FILL_RULE = 4
-    DEPTH_ARITHMETIC = 5
-    DEPTH_FORMAT = 6
+STAGES = tuple(Cause)[Cause.INPUT_ROUNDING : Cause.DEPTH_FORMAT + 1]
+"""The stages of the pipeline, in order."""
 
 
 @dataclass(frozen=True)
@@ -116,15 +108,15 @@ class Prediction:
     window: Floats
 
 
-def predict(view: View, upto: Stage = Stage.DEPTH_FORMAT, driver: Driver = LLVMPIPE) -> Prediction:
+def predict(view: View, upto: Cause = Cause.DEPTH_FORMAT, driver: Driver = LLVMPIPE) -> Prediction:
     """Tell what a driver shows that works as modelled up to a stage, and without error after it.
 
     Parameters
     ----------
     view : View
         Curved shapes are tessellated.
-    upto : Stage
-        The last stage that is done as the driver does it.
+    upto : Cause
+        The last of :data:`STAGES` that is done as the driver does it.
     driver : Driver
 
     Returns
@@ -163,7 +155,7 @@ class Drawing:
     """
 
     def __init__(self, view: View, driver: Driver = LLVMPIPE) -> None:
-        self._outlines = _outlines(view, Stage.DEPTH_FORMAT, driver)
+        self._outlines = _outlines(view, Cause.DEPTH_FORMAT, driver)
         self._size = view.width, view.height
         self._levels = np.float32(2.0**driver.depth.bits - 1.0)
 
@@ -195,14 +187,14 @@ class Drawing:
         return Drawn(face, float(inside[best]), int(level))
 
 
-def _outlines(view: View, upto: Stage, driver: Driver) -> _Outlines:
+def _outlines(view: View, upto: Cause, driver: Driver) -> _Outlines:
     size = (view.width, view.height)
     # What lies behind the eye divides by zero, and is clipped away.
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         triangles = _input(view, upto, driver)
-        if upto >= Stage.CLIPPING:
+        if upto >= Cause.CLIPPING:
             triangles = _clipped(triangles, driver)
-        if upto >= Stage.VERTEX_SNAPPING:
+        if upto >= Cause.VERTEX_SNAPPING:
             return _snapped(triangles, size, upto, driver)
         return _homogeneous(triangles, size, upto, driver)
 
@@ -251,13 +243,13 @@ class _Outlines:
 # ---------------------------------------------------------------- transform and clipping
 
 
-def _input(view: View, upto: Stage, driver: Driver) -> _Triangles:
+def _input(view: View, upto: Cause, driver: Driver) -> _Triangles:
     """Carry the corners of all triangles to clip coordinates.
 
     A corner is the sum of the matrix's columns, weighted, from the first to the last.
     """
     polygons = view.tessellated().polygons
-    number = np.float32 if upto >= Stage.TRANSFORM else np.float64
+    number = np.float32 if upto >= Cause.TRANSFORM else np.float64
     x, y, z = polygons.vertices.astype(np.float32).astype(number).T[:, :, None]
     columns = driver.depth.clip_from_world(view).astype(np.float32).astype(number).T
     clip = ((columns[0] * x + columns[1] * y) + columns[2] * z) + columns[3]
@@ -311,7 +303,7 @@ def _batched(outside: Bools, cull: Array, size: int) -> Bools:
 # ---------------------------------------------------------------- edges on the sub-pixel grid
 
 
-def _snapped(triangles: _Triangles, size: tuple[int, int], upto: Stage, driver: Driver) -> _Outlines:
+def _snapped(triangles: _Triangles, size: tuple[int, int], upto: Cause, driver: Driver) -> _Outlines:
     """Edges in integers, through corners on the sub-pixel grid counted from the first sample."""
     window = _window(triangles, size, driver)
     one = 1 << driver.subpixel_bits
@@ -328,10 +320,10 @@ def _snapped(triangles: _Triangles, size: tuple[int, int], upto: Stage, driver: 
     window = np.take_along_axis(window, clockwise, axis=1)
     grid = np.take_along_axis(grid, clockwise, axis=1)
 
-    bottom = upto >= Stage.FILL_RULE and driver.bottom_left
+    bottom = upto >= Cause.FILL_RULE and driver.bottom_left
     edges, closed = _integer_edges(grid, one, bottom)
     plane = _window_plane(window)
-    if upto < Stage.DEPTH_ARITHMETIC:
+    if upto < Cause.DEPTH_ARITHMETIC:
         plane = _clip_plane(triangles.clip, size, driver)
     box = _box(grid.min(axis=1) / one, grid.max(axis=1) / one, size)
     return _Outlines(edges, closed, box, plane, triangles.face)
@@ -397,7 +389,7 @@ def _window_plane(window: Array) -> Floats:
 # ---------------------------------------------------------------- edges from clip coordinates
 
 
-def _homogeneous(triangles: _Triangles, size: tuple[int, int], upto: Stage, driver: Driver) -> _Outlines:
+def _homogeneous(triangles: _Triangles, size: tuple[int, int], upto: Cause, driver: Driver) -> _Outlines:
     """Edges from clip coordinates, for which no corner need lie in front of the eye.
 
     With a triangle's corners as vectors (x, y, w), the edge opposite a corner is the cross product
@@ -411,7 +403,7 @@ def _homogeneous(triangles: _Triangles, size: tuple[int, int], upto: Stage, driv
     edges = _per_sample(_opposite_edges(clip) * np.sign(area)[:, None, None], size)
     closed = (edges[:, :, 1] > 0) | (edges[:, :, 1] == 0) & (edges[:, :, 2] < 0)
     plane = _clip_plane(clip, size, driver)
-    if upto < Stage.CLIPPING:
+    if upto < Cause.CLIPPING:
         # Window depth is at least 0 and at most 1: beyond near and before far, or the other way round.
         above, below = plane, [1.0, 0.0, 0.0] - plane
         edges = np.concatenate([edges, np.stack([above, below], axis=1)], axis=1)
@@ -472,15 +464,15 @@ def _box(low: Floats, high: Floats, size: tuple[int, int]) -> Ints:
     return np.concatenate([first_in, last_in], axis=1).astype(np.int32)
 
 
-def _drawn(outlines: _Outlines, size: tuple[int, int], upto: Stage, driver: Driver) -> Prediction:
+def _drawn(outlines: _Outlines, size: tuple[int, int], upto: Cause, driver: Driver) -> Prediction:
     buffer = driver.depth
     levels = 2.0**buffer.bits - 1.0
     # The kernel shows the least depth. Negating is exact, and rounds what follows alike.
     sign = -1.0 if buffer.reversed else 1.0
     arithmetic, clear, step = float32.FLOAT64, np.inf, 1.0
-    if upto >= Stage.DEPTH_ARITHMETIC:
+    if upto >= Cause.DEPTH_ARITHMETIC:
         arithmetic, clear = float32.FLOAT32, sign * buffer.cleared_to
-    if upto == Stage.DEPTH_FORMAT and buffer.bits:
+    if upto == Cause.DEPTH_FORMAT and buffer.bits:
         arithmetic, clear, step = float32.UNORM, levels, 1.0 / levels
     triangle = np.full(size[::-1], -1, dtype=np.int32)
     depth = np.full(size[::-1], clear)

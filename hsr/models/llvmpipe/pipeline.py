@@ -6,7 +6,6 @@ whose last model is not the driver run again but a prediction of what it draws.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
@@ -15,8 +14,8 @@ from hsr.algorithms.opengl import Options
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.gl.drawing import depth_of_window
 from hsr.models.llvmpipe import driver
-from hsr.models.rounded import tessellation
-from hsr.models.stages import Cause, Pipeline, Stage
+from hsr.models.rounded import TESSELLATED
+from hsr.models.stages import Cause, Stage, ending
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import View
 
@@ -31,21 +30,12 @@ def predicted(view: View, options: Options) -> tuple[Ints, Floats]:
     return prediction.face, depth
 
 
-def _up_to(stage: driver.Stage) -> Callable[[View, Options, Array], Ints]:
+def _up_to(stage: Cause) -> Stage:
     def faces(view: View, options: Options, samples: Array) -> Ints:
-        if stage == driver.Stage.DEPTH_FORMAT:
-            face, _ = predicted(view, options)
-        else:
-            face = driver.predict(view, stage, driver.Driver(depth=options.buffer)).face
+        face = driver.predict(view, stage, driver.Driver(depth=options.buffer)).face
         return np.asarray(face.ravel()[samples])
 
-    return faces
+    return Stage(stage, faces)
 
 
-PIPELINE = Pipeline(
-    (
-        Stage(Cause.TESSELLATION, tessellation),
-        *(Stage(Cause[stage.name], _up_to(stage)) for stage in driver.Stage),
-    ),
-    predicted,
-)
+PIPELINE = ending(predicted, Cause.DEPTH_FORMAT, TESSELLATED, *map(_up_to, driver.STAGES[:-1]))
