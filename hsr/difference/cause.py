@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from hsr.algorithms.registry import methods
+from hsr.algorithms.registry import Method, methods
 from hsr.base.arrays import Array, Pixels
 from hsr.base.errors import MapError
 from hsr.models.rounded import tessellated_truth
@@ -102,10 +102,16 @@ def causes(view: View, answer: VisibilityMap, truth: VisibilityMap, **options: A
     >>> hsr.causes(view, hsr.render(view, "painter"), hsr.render(view, "exact")).counts
     {'no depth test': 2}
     """
+    return causes_by(methods().get(answer.method), view, answer, truth, **options)
+
+
+def causes_by(
+    method: Method | None, view: View, answer: VisibilityMap, truth: VisibilityMap, **options: Any
+) -> Causes:
+    """Do the same for a map by a method that need not be registered, or by none that is known."""
     _check(view, answer, truth)
     samples = np.flatnonzero(~truth.admits(answer.face))
     cause = np.zeros(answer.face.shape, dtype=np.uint8)
-    method = methods().get(answer.method)
     pipeline: Pipeline | None = method.load_pipeline() if method else None
     if method is None or pipeline is None:
         cause.ravel()[samples] = Cause.UNEXPLAINED
