@@ -19,7 +19,7 @@ BY_STRING = {
     "__init__.py",
     "algorithms/registry.py",
     "difference/classes.py",
-    "lab/stability/family.py",
+    "lab/stability/cases/__init__.py",
     "problem/map.py",
 }
 """The files that may import what is named by a string."""
