@@ -15,7 +15,7 @@ import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from hsr.base.arrays import Floats
-from hsr.base.errors import SceneError, ViewError
+from hsr.base.errors import HsrError, SceneError
 from hsr.scene.camera import projection_of
 from hsr.scene.gltf import Document, unique
 from hsr.scene.meshes import Faces, mesh_shape, read_faces
@@ -90,13 +90,10 @@ def load(path: str | Path) -> Scene:
     ending = path.suffix.lower()
     if ending not in SCENES + MESHES:
         raise SceneError(f"{path}: not a scene or mesh file; the endings are {' '.join(SCENES + MESHES)}")
+    read = _read_scene if ending in SCENES else _gltf_scene if ending in GLTF else _mesh_scene
     with _prefixed(f"{path}: "):
         _check_file(path)
-        if ending in SCENES:
-            scene = _read_scene(path)
-        else:
-            scene = _gltf_scene(path) if ending in GLTF else _mesh_scene(path)
-    return scene.located(path.parent)
+        return read(path).located(path.parent)
 
 
 def shape_of(thing: Object, folder: Path) -> Shape:
@@ -146,13 +143,9 @@ def _read_scene(path: Path) -> Scene:
     try:
         scene = Scene.model_validate(tables)
     except ValidationError as error:
-        problems = lines_of(error)
         cameras, objects = _valid(CAMERA, tables, "camera"), _valid(OBJECT, tables, "object")
-        raise SceneError(
-            problems + _camera_problems(cameras) + _object_problems(objects, path.parent)
-        ) from None
-    problems = _camera_problems(enumerate(scene.camera))
-    problems += _object_problems(enumerate(scene.object), path.parent)
+        raise SceneError(lines_of(error) + _part_problems(cameras, objects, path.parent)) from None
+    problems = _part_problems(enumerate(scene.camera), enumerate(scene.object), path.parent)
     if problems:
         raise SceneError(problems)
     return scene
@@ -176,9 +169,8 @@ def _table(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
     table = dict(pairs)
     if len(table) < len(pairs):
         keys = [key for key, _ in pairs]
-        raise ValueError(
-            f"the key {next(key for key in keys if keys.count(key) > 1)!r} stands twice in a table"
-        )
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise ValueError(f"the key {twice!r} stands twice in a table")
     return table
 
 
@@ -190,20 +182,15 @@ def _valid(adapter: TypeAdapter[Part], tables: Any, kind: str) -> Iterator[tuple
             yield k, adapter.validate_python(table)
 
 
-def _camera_problems(cameras: Iterable[tuple[int, Camera]]) -> list[str]:
-    problems = []
-    for k, camera in cameras:
-        try:
-            projection_of(camera, aspect=1.0)
-        except ViewError as error:
-            problems.append(f"camera[{k}]: {error}")
-    return problems
-
-
-def _object_problems(objects: Iterable[tuple[int, Object]], folder: Path) -> list[str]:
-    """Make every shape and transform, and count the faces."""
+def _part_problems(
+    cameras: Iterable[tuple[int, Camera]], objects: Iterable[tuple[int, Object]], folder: Path
+) -> list[str]:
+    """Make every projection, shape and transform, and count the faces."""
     problems: list[str] = []
     faces = 0
+    for k, camera in cameras:
+        with _collected(problems, f"camera[{k}]: "):
+            projection_of(camera, aspect=1.0)
     for k, thing in objects:
         with _collected(problems, f"object[{k}].transform: "):
             compose(thing.transform)
@@ -221,8 +208,8 @@ def _collected(problems: list[str], prefix: str) -> Iterator[None]:
     """Append the problems that come out of the ``with`` block, each behind ``prefix``."""
     try:
         yield
-    except SceneError as error:
-        problems += [prefix + problem for problem in error.problems]
+    except HsrError as error:
+        problems += [prefix + problem for problem in str(error).splitlines()]
 
 
 # ---------------------------------------------------------------- shapes
@@ -260,8 +247,7 @@ def _defined_shape(thing: Object) -> Shape:
 
 def _polyhedron(thing: Polyhedron) -> Shape:
     vertices = np.array(thing.vertices)
-    problems = convexity_problems(vertices, thing.faces)
-    if problems:
+    if problems := convexity_problems(vertices, thing.faces):
         raise SceneError(problems)
     names = tuple(f"face {k}" for k in range(len(thing.faces)))
     return Shape(Kind.POLYHEDRON, thing.shape, Polygons.of(vertices, thing.faces), names)
@@ -297,8 +283,7 @@ def _document(path: Path, version: Version) -> Document:  # noqa: ARG001 - the v
 
 
 def _mesh_scene(path: Path) -> Scene:
-    thing = Mesh(name=path.stem[:80], shape="mesh", file=path.name)
-    return _scene_of([thing], [], path)
+    return _scene_of([Mesh(name=path.stem[:80], shape="mesh", file=path.name)], [], path)
 
 
 def _gltf_scene(path: Path) -> Scene:
@@ -315,17 +300,13 @@ def _gltf_scene(path: Path) -> Scene:
 
 
 def _scene_of(things: Sequence[Mesh], cameras: Sequence[Camera], path: Path) -> Scene:
-    problems = _object_problems(enumerate(things), path.parent)
+    problems = _part_problems((), enumerate(things), path.parent)
     if problems:
         raise SceneError([problem.partition(f"{path.name}: ")[2] or problem for problem in problems])
     lights = (Ambient(type="ambient"), Directional(type="directional", direction=(-0.4, -1.0, -0.6)))
     name = unique([*(camera.name for camera in cameras), "fitted"])[-1]
-    return Scene(
-        title=path.name,
-        camera=(*cameras, _fitted_camera(name, things, path.parent)),
-        object=tuple(things),
-        light=lights,
-    )
+    cameras = (*cameras, _fitted_camera(name, things, path.parent))
+    return Scene(title=path.name, camera=cameras, object=tuple(things), light=lights)
 
 
 def _fitted_camera(name: str, things: Sequence[Mesh], folder: Path) -> Perspective:

@@ -87,11 +87,12 @@ class Document:
             names = unique([str(mesh.get("name") or f"mesh {k}") for k, mesh in enumerate(meshes)])
             found = zip(names, self._meshes(), strict=True)
             self.parts = {name: joined(primitives) for name, primitives in found if primitives}
-            carriers = [node for node in self._walk(self._roots(), (), ()) if self._carries(node[0])]
-            node_names = unique([self._name(k, names) for k, _ in carriers])
+            walk = self._walk(self._roots(), (), ())
+            carriers = [(table, steps) for table, steps in walk if "mesh" in table or "camera" in table]
+            node_names = unique([self._name(table, names) for table, _ in carriers])
             self.nodes = [
-                Node(name, steps, self._part(k, names), self._camera(k, name, steps))
-                for name, (k, steps) in zip(node_names, carriers, strict=True)
+                Node(name, steps, self._part(table, names), self._camera(table, name, steps))
+                for name, (table, steps) in zip(node_names, carriers, strict=True)
             ]
 
     def faces(self, part: str | None = None) -> Faces:
@@ -103,8 +104,7 @@ class Document:
             If no mesh with triangles has the name ``part``, or there is none at all.
         """
         if part is None:
-            moved = [_moved(self.parts[node.part], node.steps) for node in self.nodes if node.part]
-            return joined(moved) if moved else Faces.of([], [], [])
+            return joined([_moved(self.parts[node.part], node.steps) for node in self.nodes if node.part])
         if part not in self.parts:
             raise SceneError(f"no part is named {part!r}; it has {', '.join(self.parts) or 'none'}")
         return self.parts[part]
@@ -158,8 +158,8 @@ class Document:
 
     def _walk(
         self, indices: Sequence[int], above: tuple[Step, ...], path: tuple[int, ...]
-    ) -> Iterator[tuple[int, tuple[Step, ...]]]:
-        """Yield the index of every node below ``path`` and its steps to the world."""
+    ) -> Iterator[tuple[dict[str, Any], tuple[Step, ...]]]:
+        """Yield every node below ``path`` and its steps to the world."""
         for k in indices:
             if k in path:
                 raise SceneError(f"node {k} is its own ancestor")
@@ -168,28 +168,22 @@ class Document:
                 steps = _steps(table) + above
             except ValidationError as error:
                 raise SceneError(f"node {k}: {lines_of(error)[0]}") from None
-            yield k, steps
+            yield table, steps
             yield from self._walk(table.get("children", []), steps, (*path, k))
 
-    def _carries(self, k: int) -> bool:
-        return "mesh" in self._tree["nodes"][k] or "camera" in self._tree["nodes"][k]
-
-    def _name(self, k: int, mesh_names: Sequence[str]) -> str:
+    def _name(self, table: dict[str, Any], mesh_names: Sequence[str]) -> str:
         """Name a node, or else what it carries."""
-        table = self._tree["nodes"][k]
         if table.get("name"):
             return str(table["name"])
         if "mesh" in table:
             return mesh_names[int(table["mesh"])]
         return str(self._tree["cameras"][table["camera"]].get("name") or f"camera {table['camera']}")
 
-    def _part(self, k: int, mesh_names: Sequence[str]) -> str | None:
-        table = self._tree["nodes"][k]
+    def _part(self, table: dict[str, Any], mesh_names: Sequence[str]) -> str | None:
         name = mesh_names[table["mesh"]] if "mesh" in table else None
         return name if name in self.parts else None
 
-    def _camera(self, k: int, name: str, steps: tuple[Step, ...]) -> Camera | None:
-        table = self._tree["nodes"][k]
+    def _camera(self, table: dict[str, Any], name: str, steps: tuple[Step, ...]) -> Camera | None:
         if "camera" not in table:
             return None
         try:

@@ -72,16 +72,13 @@ def lines(found: dict[str, Any]) -> list[str]:
         f"from {_triple(found['bounds']['low'])} to {_triple(found['bounds']['high'])}",
     ]
     for camera in found["cameras"]:
+        if "fov_x" in camera:
+            seen = f"fov {camera['fov_x']:.2f} x {camera['fov_y']:.2f} degrees"
+        else:
+            seen = f"{camera['width']:g} x {camera['height']:g} units"
         far = "infinity" if camera["far"] is None else f"{camera['far']:g}"
-        sight = (
-            f"fov {camera['fov_x']:.2f} x {camera['fov_y']:.2f} degrees"
-            if "fov_x" in camera
-            else f"{camera['width']:g} x {camera['height']:g} units"
-        )
-        text.append(f"camera {camera['name']}: {camera['type']}, {sight}, near {camera['near']:g}, far {far}")
-    for entry in found["objects"]:
-        text += _object_lines(entry)
-    return text
+        text.append(f"camera {camera['name']}: {camera['type']}, {seen}, near {camera['near']:g}, far {far}")
+    return [*text, *(line for entry in found["objects"] for line in _object_lines(entry))]
 
 
 def schema() -> dict[str, Any]:
@@ -97,8 +94,8 @@ def _object_lines(entry: dict[str, Any]) -> Iterator[str]:
     for why in dict.fromkeys(entry["culling"].values()):
         cameras = [name for name, other in entry["culling"].items() if other == why]
         seen_by = "" if len(cameras) == len(entry["culling"]) else f" seen by {', '.join(cameras)}"
-        verdict = f"may change the picture: {why}" if why else "changes nothing"
-        yield f"  culling its back faces{seen_by} {verdict}"
+        effect = f"may change the picture: {why}" if why else "changes nothing"
+        yield f"  culling its back faces{seen_by} {effect}"
 
 
 def _counted(count: int, what: str) -> str:

@@ -67,11 +67,13 @@ class Faces(NamedTuple):
 
 def joined(parts: Sequence[Faces]) -> Faces:
     """Put the faces of several meshes one after the other."""
-    offsets = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
+    none = Faces.of([], [], [])
+    offsets = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    corners = [part.corner + offset for part, offset in zip(parts, offsets[:-1], strict=True)]
     return Faces(
-        np.concatenate([part.vertices for part in parts]),
-        np.concatenate([part.corner + offset for part, offset in zip(parts, offsets, strict=True)]),
-        np.concatenate([part.sides for part in parts]),
+        np.concatenate([none.vertices, *(part.vertices for part in parts)]),
+        np.concatenate([none.corner, *corners]),
+        np.concatenate([none.sides, *(part.sides for part in parts)]),
     )
 
 
@@ -98,7 +100,7 @@ def _check(faces: Faces) -> None:
     if not len(faces.sides):
         raise SceneError("the mesh has no faces")
     if faces.sides.min() < 3:
-        k = int(np.argmax(faces.sides < 3))
+        k = np.argmax(faces.sides < 3)
         raise SceneError(f"face {k} (counted from 0) has fewer than three corners")
     if int((faces.sides - 2).sum()) > MAX_TRIANGLES:
         raise SceneError(f"the mesh has more than {MAX_TRIANGLES} triangles; split it")
@@ -190,9 +192,7 @@ def _obj_index(word: str, vertices: int) -> int:
     OBJ counts from 1; a negative index counts back from the last vertex read so far.
     """
     index = int(word.partition("/")[0])
-    if index < 0:
-        return max(index + vertices, -1)
-    return index - 1
+    return max(index + vertices, -1) if index < 0 else index - 1
 
 
 def _read_off(content: bytes) -> Faces:
@@ -235,8 +235,7 @@ def _read_stl(content: bytes) -> Faces:
 
     found = load_stl(BytesIO(content))
     solids = found["geometry"].values() if "geometry" in found else [found]
-    parts = [Faces.of_rows(solid["vertices"], solid["faces"]) for solid in solids]
-    return joined(parts) if parts else Faces.of([], [], [])
+    return joined([Faces.of_rows(solid["vertices"], solid["faces"]) for solid in solids])
 
 
 READERS = {".obj": _read_obj, ".off": _read_off, ".ply": _read_ply, ".stl": _read_stl}

@@ -88,14 +88,11 @@ def _is_convex(corners: Floats, edges: Floats, normal: Floats, delta: float) -> 
     The distance from an edge of length L to a corner at distance D from the edge's start is off by at
     most ``delta (2 + 2 D / L)``: both ends of the edge, its start and the corner may move by delta.
     """
-    for start, edge in zip(corners, edges, strict=True):
-        length = np.linalg.norm(edge)
-        inward = np.cross(normal, edge / length)
-        arms = corners - start
-        slack = delta * (2.0 + 2.0 * np.linalg.norm(arms, axis=1) / length)
-        if (arms @ inward < -slack).any():
-            return False
-    return True
+    length = np.linalg.norm(edges, axis=1)[:, None]
+    inward = np.cross(normal, edges / length)
+    arms = corners - corners[:, None]
+    slack = delta * (2.0 + 2.0 * np.linalg.norm(arms, axis=2) / length)
+    return not (np.vecdot(arms, inward[:, None]) < -slack).any()
 
 
 def _edge_problems(faces: Sequence[Sequence[int]]) -> list[str]:

@@ -115,14 +115,11 @@ def _matrix_of(step: Step) -> arb_mat:
     if key == "matrix":
         return arb_mat([list(row) for row in value])
     matrix = arb_mat(4, 4, [int(i == j) for i in range(4) for j in range(4)])
-    if key == "translate":
-        for i in range(3):
-            matrix[i, 3] = arb(value[i])
-    elif key == "scale":
-        for i in range(3):
-            matrix[i, i] = arb(value[i])
-    else:
+    if key in AXES:
         _rotate(matrix, AXES[key], value)
+    else:
+        for i in range(3):
+            matrix[i, 3 if key == "translate" else i] = arb(value[i])
     return matrix
 
 
