@@ -22,10 +22,6 @@ import numba
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-MODELS = ("models/embree", "models/llvmpipe")
-KERNEL_FOLDERS = ("kernels", "kernels/zbuffer", "kernels/raytiles", "exact", "embree", *MODELS)
-"""Folders of this package that hold compiled functions."""
-
 prange = numba.prange
 thread_count = numba.get_num_threads
 
@@ -52,14 +48,15 @@ def forget_stale_kernels(package: Path) -> None:
     """Drop all cached kernels if the source of any kernel has changed since they were compiled.
 
     Numba looks at the file of a function only. A kernel cached with an older version of another
-    module's function or constant within it would go on computing by that version.
+    module's function or constant within it would go on computing by that version. Kernels are in the
+    folders where the decorators of this module stand.
 
     Parameters
     ----------
     package : Path
-        Folder with the folders of kernels. Where it cannot be written there is no cache in it.
+        Where it cannot be written there is no cache in it.
     """
-    folders = [package / name for name in KERNEL_FOLDERS]
+    folders = {file.parent for file in package.rglob("*.py") if b"jit\ndef " in file.read_bytes()}
     sources = sorted(file for folder in folders for file in folder.glob("*.py"))
     fingerprint = hashlib.sha256(b"".join(file.read_bytes() for file in sources)).hexdigest()
     stamp = package / "kernels" / "__pycache__" / "sources.sha256"

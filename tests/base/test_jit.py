@@ -46,14 +46,14 @@ def test_a_changed_source_drops_all_cached_kernels(tmp_path: Path) -> None:
     source = tmp_path / "kernels" / "edges.py"
     cached = tmp_path / "kernels" / "__pycache__" / "scan.line-12.py311.1.nbc"
     cached.parent.mkdir(parents=True)
-    source.write_text("BOUND = 1\n", encoding="utf-8")
+    source.write_text("BOUND = 1\n\n\n@jit\ndef kernel(): ...\n", encoding="utf-8")
     cached.write_bytes(b"compiled")
     forget_stale_kernels(tmp_path)
     assert not cached.exists()  # compiled nobody knows from what
     cached.write_bytes(b"compiled")
     forget_stale_kernels(tmp_path)
     assert cached.exists()
-    source.write_text("BOUND = 2\n", encoding="utf-8")
+    source.write_text("BOUND = 2\n\n\n@jit\ndef kernel(): ...\n", encoding="utf-8")
     forget_stale_kernels(tmp_path)
     assert not cached.exists()
 
