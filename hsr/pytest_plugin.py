@@ -79,32 +79,31 @@ def pytest_configure(config: pytest.Config) -> None:
 def visibility(request: pytest.FixtureRequest) -> Iterator[Visibility]:
     """Check visibility by face id: ``agree``, ``equal``, ``check``, ``similar``."""
     from hsr.testing.baselines import FOLDER
-    from hsr.testing.recording import Case, Visibility
+    from hsr.testing.recording import Options, Visibility
 
     config, test = request.config, request.node
     markers = [("marker", mark.kwargs) for mark in test.iter_markers(FIXTURE)]
-    case = Case(
+    options = Options(
         test.nodeid,
         config.rootpath,
         _results(config),
         test.path.parent / FOLDER / test.path.stem,
-        tuple(test.nodeid.split("::")[1:]),
         [*markers, *_limits(config)],
         config.getoption("hsr_update"),
         config.getini("hsr_baselines"),
         config.getoption("hsr_selfcheck"),
     )
-    _claim(case.results)
-    checks = Visibility(case, test.user_properties)
+    _claim(options.results)
+    checks = Visibility(options, test.user_properties)
     yield checks
     checks.finish()
 
 
 def _limits(config: pytest.Config) -> Iterator[tuple[str, Mapping[str, Any]]]:
     """Yield the limits of the command line, then those of the ini file, and who says so."""
-    line = {name: config.getoption(f"hsr_{name}") for name in LIMITS}
-    file = {name: config.getini(f"hsr_{name}") for name in LIMITS}
-    for who, texts in (("command line", line), (config.inipath.name if config.inipath else "ini", file)):
+    file = config.inipath.name if config.inipath else "ini"
+    for who, given in (("command line", config.getoption), (file, config.getini)):
+        texts = {name: given(f"hsr_{name}") for name in LIMITS}
         yield who, {name: _read(who, name, text) for name, text in texts.items() if text}
 
 
@@ -116,10 +115,10 @@ def _read(who: str, name: str, text: str) -> Any:
 
 
 def _results(config: pytest.Config) -> Path:
-    option = config.getoption("hsr_results")
+    folder, option = config.rootpath, config.getoption("hsr_results")
     if option:
-        return Path(config.invocation_params.dir, option).resolve()
-    return Path(config.rootpath, config.getini("hsr_results") or RESULTS).resolve()
+        folder = config.invocation_params.dir
+    return Path(folder, option or config.getini("hsr_results") or RESULTS).resolve()
 
 
 def _check_results(results: Path) -> None:
@@ -150,18 +149,8 @@ def _ours(results: Path) -> bool:
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_runtest_setup(item: pytest.Item) -> Generator[None, None, None]:
-    """Skip a test whose fixtures need what this machine lacks."""
-    yield from _skipping(item)
-
-
-@pytest.hookimpl(wrapper=True)
 def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
-    """Skip a test that needs what this machine lacks."""
-    yield from _skipping(item)
-
-
-def _skipping(item: pytest.Item) -> Generator[None, None, None]:
+    """Skip a test that needs what this machine lacks, by itself or by its fixtures."""
     __tracebackhide__ = True
     try:
         yield
@@ -170,6 +159,9 @@ def _skipping(item: pytest.Item) -> Generator[None, None, None]:
         if required or not _checks_visibility(item):
             raise
         pytest.skip(str(error))
+
+
+pytest_runtest_setup = pytest_runtest_call
 
 
 def _checks_visibility(item: pytest.Item) -> bool:

@@ -22,7 +22,7 @@ from hsr.base.files import write_whole
 from hsr.problem.map import BACKGROUND, NO_DEPTH, VisibilityMap, load_map
 from hsr.testing.judging import Judgement, judge
 from hsr.testing.limits import Limits
-from hsr.testing.problems import Problem
+from hsr.testing.subject import Subject
 
 FORMAT = 1
 """The version of a file of hashes."""
@@ -75,18 +75,18 @@ def file_stem(*parts: str) -> str:
 
 def variants(folder: Path, stem: str) -> list[Path]:
     """Return the baselines of one name, by number."""
-    numbered = {}
-    for file in folder.glob(f"{stem}*"):
-        match = re.fullmatch(re.escape(stem) + r"(?:~(\d+))?\.(?:npz|json)", file.name)
-        if match:
-            numbered[file] = int(match[1] or 1)
-    return sorted(numbered, key=lambda file: (numbered[file], file.name))
+    pattern = re.compile(re.escape(stem) + r"(~\d+)?\.(npz|json)")
+    found = [file for file in folder.glob(f"{stem}*") if pattern.fullmatch(file.name)]
+    return sorted(found, key=lambda file: (_number(file), file.name))
+
+
+def _number(file: Path) -> int:
+    return int(file.stem.partition("~")[2] or 1)
 
 
 def next_variant(folder: Path, stem: str, suffix: str) -> Path:
     """Return the path of one more valid baseline."""
-    last = variants(folder, stem)
-    number = 1 if not last else int((last[-1].stem.partition("~")[2]) or 1) + 1
+    number = max(map(_number, variants(folder, stem)), default=0) + 1
     return folder / f"{stem}{'' if number == 1 else f'~{number}'}{suffix}"
 
 
@@ -194,7 +194,7 @@ class Match:
     ----------
     file : Path
     lines : tuple of str
-        The verdict, for people.
+        The judgement, for people.
     passed : bool
     judgement : Judgement or None
         None where only hashes are kept, or the size has changed.
@@ -207,7 +207,7 @@ class Match:
 
 
 def match(
-    name: str, shown: VisibilityMap, files: Sequence[Path], limits: Limits, problem: Problem | None
+    name: str, shown: VisibilityMap, files: Sequence[Path], limits: Limits, subject: Subject | None
 ) -> Match:
     """Compare a map with its baselines; any that matches will do.
 
@@ -219,7 +219,7 @@ def match(
     files : sequence of Path
         One at least.
     limits : Limits
-    problem : Problem or None
+    subject : Subject or None
 
     Returns
     -------
@@ -233,20 +233,16 @@ def match(
     """
     found = []
     for file in files:
-        found.append(_matched(name, shown, file, limits, problem))
+        found.append(_matched(name, shown, file, limits, subject))
         if found[-1].passed:
             return found[-1]
-    nearest = min(found, key=_distance)
+    nearest = min(found, key=lambda found: found.judgement.counted if found.judgement else np.inf)
     if len(found) == 1:
         return nearest
     return replace(nearest, lines=(f"none of {len(found)} baselines matches; the nearest:", *nearest.lines))
 
 
-def _distance(found: Match) -> float:
-    return np.inf if found.judgement is None else found.judgement.counted
-
-
-def _matched(name: str, shown: VisibilityMap, file: Path, limits: Limits, problem: Problem | None) -> Match:
+def _matched(name: str, shown: VisibilityMap, file: Path, limits: Limits, subject: Subject | None) -> Match:
     stored = read(file)
     new = contents(shown)
     old = stored if isinstance(stored, dict) else contents(stored)
@@ -260,7 +256,7 @@ def _matched(name: str, shown: VisibilityMap, file: Path, limits: Limits, proble
         return Match(file, (f"{name}: {missing}; write it again with --hsr-update=failed",), False, None)
     # Scene and camera may have changed: that explains a difference, and is none.
     expected = replace(stored, hashes={}, method=file.name)
-    judgement = judge(name, shown, expected, limits, problem)
+    judgement = judge(name, shown, expected, limits, subject)
     return Match(file, (judgement.text(), told), judgement.passed, judgement)
 
 
@@ -269,7 +265,7 @@ def _matched_hashes(
 ) -> Match:
     old, new = held
     judged = ["faces", "size", *(["depths"] if limits.depth_ulps is not None else [])]
-    changed = [what for what in judged if old[what] != new[what]]
-    verdict = f"{', '.join(changed)} changed" if changed else "same hashes"
+    changed = ", ".join(what for what in judged if old[what] != new[what])
+    outcome = f"{changed} changed" if changed else "same hashes"
     hint = ("  hashes cannot tell which samples: keep maps, with hsr_baselines = maps",) if changed else ()
-    return Match(file, (f"{name} vs {file.name}: {verdict}", told, *hint), not changed, None)
+    return Match(file, (f"{name} vs {file.name}: {outcome}", told, *hint), not changed, None)

@@ -13,7 +13,7 @@ from hsr.testing.baselines import match
 from hsr.testing.judging import Judgement, judge
 from hsr.testing.limits import Limits, merged
 from hsr.testing.pictures import MIN_SIMILARITY, compared
-from hsr.testing.problems import Showing, problem_of
+from hsr.testing.subject import Showing, subject_of
 
 CALLER = "caller"
 """Who sets the limits that are given to a function."""
@@ -29,8 +29,8 @@ def agreement(
     """Judge every map against the reference; see :func:`assert_agree`."""
     if not maps:
         raise CheckError('nothing to compare: give maps by name, such as {"mine": map}')
-    problem = problem_of(scene, camera, reference)
-    return [judge(name, shown, reference, limits, problem) for name, shown in maps.items()]
+    subject = subject_of(scene, camera, reference)
+    return [judge(name, shown, reference, limits, subject) for name, shown in maps.items()]
 
 
 def assert_agree(
@@ -74,7 +74,10 @@ def assert_agree(
     >>> mine = hsr.render(scene, "scanline", size=(10, 8))
     >>> hsr.testing.assert_agree({"mine": mine}, truth, scene=scene)
     """
-    _demand(agreement(maps, reference, merged([(CALLER, limits)]), scene, camera))
+    found = agreement(maps, reference, merged([(CALLER, limits)]), scene, camera)
+    lines = [line for judgement in found if not judgement.passed for line in _told(judgement)]
+    if lines:
+        raise VisibilityError("\n".join(lines))
 
 
 def assert_same_visibility(
@@ -151,8 +154,8 @@ def assert_matches_baseline(
     paths = [Path(file) for file in files]
     if not paths:
         raise VisibilityError("there is no baseline; write one with map.save(path), and look at it first")
-    problem = problem_of(scene, camera, map)
-    found = match(map.method, map, paths, merged([(CALLER, limits)]), problem)
+    subject = subject_of(scene, camera, map)
+    found = match(map.method, map, paths, merged([(CALLER, limits)]), subject)
     if not found.passed:
         raise VisibilityError("\n".join(found.lines))
 
@@ -172,8 +175,6 @@ def assert_similar(picture: Pixels, reference: Pixels, min_similarity: float = M
         If they look less alike.
     CheckError
         If the pictures cannot be compared.
-    UnavailableError
-        If scikit-image is not installed.
 
     Examples
     --------
@@ -182,18 +183,12 @@ def assert_similar(picture: Pixels, reference: Pixels, min_similarity: float = M
     >>> picture = np.arange(256, dtype=np.uint8).reshape(16, 16)
     >>> assert_similar(picture, picture // 2 * 2)
     """
-    alike = compared(picture, reference, min_similarity)
-    if not alike.passed:
-        raise VisibilityError(alike.text)
-
-
-def _demand(judgements: Iterable[Judgement]) -> None:
-    failed = [judgement for judgement in judgements if not judgement.passed]
-    if failed:
-        raise VisibilityError("\n".join(line for judgement in failed for line in _told(judgement)))
+    passed, text = compared(picture, reference, min_similarity)
+    if not passed:
+        raise VisibilityError(text)
 
 
 def _told(judgement: Judgement) -> list[str]:
-    """Return a verdict and the command that explains its first sample, as lines."""
-    command = judgement.command(judgement.problem.file) if judgement.problem else ""
+    """Return a judgement and the command that explains its first sample, as lines."""
+    command = judgement.command(judgement.subject.file) if judgement.subject else ""
     return [judgement.text(), *([f"  {command}"] if command else [])]

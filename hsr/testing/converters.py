@@ -91,25 +91,22 @@ def from_ids(
         number, covered, depths = number[::-1], covered[::-1], depths[::-1]
     face = _faces(number, covered, view, method)
     notes = {"depth_format": NO_DEPTH} if depth is None else {}
-    shown = VisibilityMap(face, np.where(covered, depths, np.inf), method, notes=notes)
-    return shown if view is None else replace(shown, manifest=view.manifest, hashes=view.hashes)
+    told: dict[str, Any] = {} if view is None else {"manifest": view.manifest, "hashes": view.hashes}
+    return VisibilityMap(face, np.where(covered, depths, np.inf), method, notes=notes, **told)
 
 
 def _faces(number: Array, covered: Array, view: View | None, method: str) -> Ints:
-    last = int(np.iinfo(np.int32).max)
-    if view is not None:
-        if number.shape != (view.height, view.width):
-            raise MapError(
-                f"{method}: {number.shape[1]}x{number.shape[0]} is not the size of the view, "
-                f"{view.width}x{view.height}"
-            )
-        face = view.tessellated().triangle_face
-        last = len(face) - 1
+    if view is not None and number.shape != (view.height, view.width):
+        height, width = number.shape
+        size = f"{view.width}x{view.height}"
+        raise MapError(f"{method}: {width}x{height} is not the size of the view, {size}")
+    owner = None if view is None else view.tessellated().triangle_face
+    last = int(np.iinfo(np.int32).max) if owner is None else len(owner) - 1
     strange = covered & ((number < 0) | (number > last))
     _refuse(strange, number, method, f"is no triangle: they run from 0 to {last}")
     shown = number.astype(np.int32)
-    if view is not None:
-        shown[covered] = face[number[covered]]
+    if owner is not None:
+        shown[covered] = owner[number[covered]]
     return shown
 
 
@@ -122,13 +119,13 @@ def _refuse(wrong: Array, values: Array, method: str, why: str) -> None:
         raise MapError(f"{method}: id {values[row, column]} at row {row}, column {column}{more} {why}")
 
 
+def _numbers(colours: Array) -> Array:
+    """Read colours (..., 3 or more) as numbers: ``red * 65536 + green * 256 + blue``."""
+    return np.asarray(colours[..., :3].astype(np.int64) @ np.array([65536, 256, 1]))
+
+
 def from_png(
-    path: str | Path,
-    view: View | None = None,
-    *,
-    background: int = 0,
-    first: int = 1,
-    method: str = "png",
+    path: str | Path, view: View | None = None, *, background: int = 0, first: int = 1, method: str = "png"
 ) -> VisibilityMap:
     """Read a PNG whose 24-bit colours are ids: ``red * 65536 + green * 256 + blue``.
 
@@ -151,13 +148,12 @@ def from_png(
     try:
         with Image.open(path) as image:
             kind, mode = image.format, image.mode
-            pixels = np.asarray(image).astype(np.int64)
+            pixels = np.asarray(image)
     except (OSError, SyntaxError) as error:
         raise MapError(f"{path}: not a picture that can be read ({error})") from error
     if kind != "PNG" or mode not in ("RGB", "RGBA") or (mode == "RGBA" and (pixels[..., 3] != 255).any()):
         raise MapError(f"{path}: ids need a PNG of opaque 8-bit RGB, not {kind} {mode}")
-    ids = (pixels[..., 0] << 16) | (pixels[..., 1] << 8) | pixels[..., 2]
-    return from_ids(ids, view, background=background, first=first, method=method)
+    return from_ids(_numbers(pixels), view, background=background, first=first, method=method)
 
 
 def from_nvdiffrast(rast: Array, view: View | None = None, *, method: str = "nvdiffrast") -> VisibilityMap:
@@ -258,12 +254,9 @@ def from_pyrender(
     seg = np.asarray(seg)
     if seg.ndim != 3 or seg.shape[2] != 3:
         raise MapError(f"{method}: seg must be (H, W, 3), not {seg.shape}")
-    weights = np.array([65536, 256, 1])
-    painted = seg.astype(np.int64) @ weights
-    known = np.array([0, *(np.asarray(colour) @ weights for colour in colours)])
+    painted, known = _numbers(seg), np.append(0, _numbers(np.reshape(colours, (-1, 3))))
     order = np.argsort(known)
-    place = np.clip(np.searchsorted(known[order], painted), 0, len(known) - 1)
-    number = order[place]
+    number = order[np.searchsorted(known, painted, sorter=order).clip(max=len(known) - 1)]
     _refuse(known[number] != painted, painted, method, "is the colour of no node; switch antialiasing off")
     shown = from_ids(number, background=0, first=1, method=method)
     return shown if view is None else replace(shown, manifest=_objects(view.manifest))

@@ -1,4 +1,4 @@
-"""From two maps to a verdict: what differs, why, and which limit that breaks."""
+"""From two maps to a judgement: what differs, why, and which limit that breaks."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from hsr.mistakes.planted import MISTAKES, planted
 from hsr.models.stages import Cause
 from hsr.problem.map import BACKGROUND, VisibilityMap
 from hsr.testing.limits import REFERENCE_WRONG, Limits
-from hsr.testing.problems import Problem
+from hsr.testing.subject import Subject
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,8 @@ class Judgement:
         Samples that count.
     broken : tuple of str
         The limits that are broken, in words.
-    problem : Problem or None
+    subject : Subject or None
+        What both maps show, where the test says so.
     causes : Causes or None
         Why samples are wrong, where the truth is known and the method has models.
     """
@@ -76,7 +77,7 @@ class Judgement:
     ties: int
     counted: int
     broken: tuple[str, ...]
-    problem: Problem | None
+    subject: Subject | None
     causes: Causes | None
 
     @property
@@ -97,12 +98,10 @@ class Judgement:
         return self.difference.depth.where
 
     def text(self) -> str:
-        """Return the verdict as lines for people."""
-        lines = [self._headline(), *self._group_lines()]
-        lines += [f"  limit {line}" for line in self.broken]
-        if not self.passed:
-            lines += _hint(self.difference, self.problem)
-        return "\n".join(lines)
+        """Return the judgement as lines for people."""
+        limits = [f"  limit {line}" for line in self.broken]
+        hint = () if self.passed else _hint(self.difference, self.subject)
+        return "\n".join([self._headline(), *self._group_lines(), *limits, *hint])
 
     def command(self, scene_file: str, map_file: str = "") -> str:
         """Return the command that tells all about the first sample; empty without a scene file.
@@ -113,17 +112,15 @@ class Judgement:
         map_file : str
             Where the judged map was written, if it was.
         """
-        if self.problem is None or not scene_file or self.sample is None:
+        if self.subject is None or not scene_file or self.sample is None:
             return ""
         row, column = self.sample
-        shown = self.difference.a
-        words = ["hsr explain", scene_file, f"{column},{row}", f"--size {shown.width}x{shown.height}"]
-        words += [f"--camera {self.problem.camera}"] if self.problem.camera else []
+        shown, camera = self.difference.a, self.subject.camera
+        words = f"hsr explain {scene_file} {column},{row} --size {shown.width}x{shown.height}"
+        words += f" --camera {camera}" if camera else ""
         if map_file:
-            words.append(f"--map {map_file}")
-        elif shown.method in methods():
-            words.append(f"-a {shown.method}")
-        return " ".join(words)
+            return f"{words} --map {map_file}"
+        return f"{words} -a {shown.method}" if shown.method in methods() else words
 
     def _headline(self) -> str:
         shown, expected = self.difference.a, self.difference.b
@@ -136,18 +133,12 @@ class Judgement:
 
     def _group_lines(self) -> Iterator[str]:
         for group in self.groups:
-            number = "1 cluster" if len(group.clusters) == 1 else f"{len(group.clusters)} clusters"
+            number, allowed = len(group.clusters), " (allowed)" if group.allowed else ""
+            clusters = f"{number} cluster{'' if number == 1 else 's'}"
             largest = self.difference.describe(group.clusters[0])
-            yield (
-                f"  {group.label} {group.count}{' (allowed)' if group.allowed else ''}, "
-                f"{number}, the largest: {largest}"
-            )
+            yield f"  {group.label} {group.count}{allowed}, {clusters}, the largest: {largest}"
             if group.story:
                 yield f"    {group.story}"
-
-
-def _place(sample: tuple[int, int]) -> str:
-    return f"column {sample[1]}, row {sample[0]}"
 
 
 def judge(
@@ -155,13 +146,13 @@ def judge(
     shown: VisibilityMap,
     expected: VisibilityMap,
     limits: Limits,
-    problem: Problem | None = None,
+    subject: Subject | None = None,
 ) -> Judgement:
     """Judge a map against another, by face id.
 
-    The truth is known if ``expected`` knows its ties, as a map by ``exact`` does, or if the problem is
+    The truth is known if ``expected`` knows its ties, as a map by ``exact`` does, or if the subject is
     given. Then samples at which both faces may be the owner are ties, and no differences; with the
-    problem given, the others are told apart by the cause that makes them wrong, see
+    subject given, the others are told apart by the cause that makes them wrong, see
     :func:`hsr.difference.cause.causes`, where the method of ``shown`` has models.
 
     Parameters
@@ -171,7 +162,7 @@ def judge(
     shown : VisibilityMap
     expected : VisibilityMap
     limits : Limits
-    problem : Problem, optional
+    subject : Subject, optional
         What both show.
 
     Returns
@@ -186,44 +177,39 @@ def judge(
         If depths are to be judged that a map does not tell.
     """
     difference = compare(shown, expected)
-    truth = _truth(expected, problem)
-    apart, tied = _apart(difference, truth)
-    why = _causes(shown, truth, problem) if apart.any() else None
+    truth = _truth(expected, subject)
+    other = shown.face != expected.face
+    tied = np.zeros_like(other)
+    if truth is not None:
+        tied = other & truth.admits(shown.face) & truth.admits(expected.face)
+    apart = other & ~tied
+    why = _causes(shown, truth, subject) if apart.any() else None
     masks = _masks(difference, apart, truth, why)
     counted = np.zeros_like(apart)
     for label, mask in masks.items():
         counted |= mask & (label not in limits.allow)
-    groups = [_group(label, mask, difference, limits, problem) for label, mask in masks.items()]
+    groups = [_group(label, mask, difference, limits, subject) for label, mask in masks.items()]
     groups.sort(key=lambda group: (group.allowed, -group.count))
     broken = (*_broken_counts(difference, counted, limits), *_broken_depths(difference, limits))
     ties, count = int(np.count_nonzero(tied)), int(np.count_nonzero(counted))
-    return Judgement(name, difference, tuple(groups), ties, count, broken, problem, why)
+    return Judgement(name, difference, tuple(groups), ties, count, broken, subject, why)
 
 
 # ---------------------------------------------------------------- what differs, and why
 
 
-def _truth(expected: VisibilityMap, problem: Problem | None) -> VisibilityMap | None:
+def _truth(expected: VisibilityMap, subject: Subject | None) -> VisibilityMap | None:
     if expected.admissible is not None:
         return expected
-    return None if problem is None else problem.truth
+    return None if subject is None else subject.truth
 
 
-def _apart(difference: Difference, truth: VisibilityMap | None) -> tuple[Bools, Bools]:
-    """Return the samples at which the maps differ, and those at which they differ by a tie."""
-    other = difference.a.face != difference.b.face
-    if truth is None:
-        return other, np.zeros_like(other)
-    tied = other & truth.admits(difference.a.face) & truth.admits(difference.b.face)
-    return other & ~tied, tied
-
-
-def _causes(shown: VisibilityMap, truth: VisibilityMap | None, problem: Problem | None) -> Causes | None:
+def _causes(shown: VisibilityMap, truth: VisibilityMap | None, subject: Subject | None) -> Causes | None:
     """Find why samples are wrong, where the truth is known and the method has models."""
     method = methods().get(shown.method)
-    if truth is None or problem is None or method is None or not method.pipeline:
+    if truth is None or subject is None or method is None or not method.pipeline:
         return None
-    return causes(problem.view, shown, truth)
+    return causes(subject.view, shown, truth)
 
 
 def _masks(
@@ -231,21 +217,17 @@ def _masks(
 ) -> dict[str, Bools]:
     """Part the samples that differ by what makes them so: by cause if that is known, else by class."""
     wrong = apart if truth is None else apart & ~truth.admits(difference.a.face)
-    masks = {REFERENCE_WRONG: apart & ~wrong}
-    if why is None:
-        masks |= {kind.label: wrong & (difference.classes == kind) for kind in OTHER_OWNER}
-    else:
-        masks |= {kind.label: wrong & (why.cause == kind) for kind in Cause}
+    kinds, found = (OTHER_OWNER, difference.classes) if why is None else (Cause, why.cause)
+    masks = {REFERENCE_WRONG: apart & ~wrong, **{kind.label: wrong & (found == kind) for kind in kinds}}
     return {label: mask for label, mask in masks.items() if mask.any()}
 
 
-def _group(label: str, mask: Bools, difference: Difference, limits: Limits, problem: Problem | None) -> Group:
+def _group(label: str, mask: Bools, difference: Difference, limits: Limits, subject: Subject | None) -> Group:
     clusters = find_clusters(mask, difference.classes, difference.a.face, difference.b.face)
     story = ""
-    if problem is not None:
+    if subject is not None:
         wrong = difference.b if label == REFERENCE_WRONG else difference.a
-        (told,) = history(problem.view, *clusters[0].sample, [wrong]).stories
-        story = told.sentence
+        story = history(subject.view, *clusters[0].sample, [wrong]).stories[0].sentence
     return Group(label, label in limits.allow, clusters, story)
 
 
@@ -261,7 +243,9 @@ def _broken_counts(difference: Difference, counted: Bools, limits: Limits) -> It
     if limits.max_cluster is not None and count:
         largest = find_clusters(counted, difference.classes, difference.a.face, difference.b.face)[0]
         if largest.size > limits.max_cluster:
-            yield (f"{limits.told('max_cluster')}: {largest.size} hang together at {_place(largest.sample)}")
+            row, column = largest.sample
+            together = f"{largest.size} hang together at column {column}, row {row}"
+            yield f"{limits.told('max_cluster')}: {together}"
 
 
 def _broken_depths(difference: Difference, limits: Limits) -> Iterator[str]:
@@ -278,8 +262,8 @@ def _broken_depths(difference: Difference, limits: Limits) -> Iterator[str]:
         gap = np.abs(depth - expected) / depth_step(a, depth)
     beyond = ~(gap <= limits.depth_ulps)
     if beyond.any():
-        place = _place(divmod(int(samples[gap.argmax()]), a.width))
-        worst = f"most at {place}, by {gap.max():.3g}"
+        row, column = divmod(int(samples[gap.argmax()]), a.width)
+        worst = f"most at column {column}, row {row}, by {gap.max():.3g}"
         yield f"{limits.told('depth_ulps')}: {beyond.sum()} depths differ, {worst}"
 
 
@@ -298,16 +282,44 @@ MAX_TRIANGLES = 500
 """In how large a view mistakes are planted to find the one that was made: a second or two."""
 
 
-def _hint(difference: Difference, problem: Problem | None) -> Iterator[str]:
+def _hint(difference: Difference, subject: Subject | None) -> Iterator[str]:
     """Name the mistake that would account for most of the differences, if one does."""
     shown, expected = difference.a.face, difference.b.face
     left = {words: int(np.count_nonzero(undo(shown) != expected)) for words, undo in UNDONE.items()}
-    if problem is not None and len(problem.view.tessellated().triangle_face) <= MAX_TRIANGLES:
+    if subject is not None and len(subject.view.tessellated().triangle_face) <= MAX_TRIANGLES:
         for mistake in MISTAKES:
-            mistaken = planted(mistake, difference.b, problem.view).face
-            left[f"of a renderer that makes the mistake {mistake!r}"] = int(
-                np.count_nonzero(shown != mistaken)
-            )
+            other = planted(mistake, difference.b, subject.view).face != shown
+            left[f"of a renderer that makes the mistake {mistake!r}"] = int(np.count_nonzero(other))
     words, fewest = min(left.items(), key=lambda item: item[1])
     if 2 * fewest < np.count_nonzero(shown != expected):
         yield f"  hint: {words}, {fewest} samples would differ"
+
+
+# ---------------------------------------------------------------- self-check
+
+
+def let_through(
+    shown: VisibilityMap, expected: VisibilityMap, limits: Limits, subject: Subject
+) -> dict[str, int]:
+    """Find the mistakes that a check would not notice.
+
+    Parameters
+    ----------
+    shown, expected : VisibilityMap
+        What the check compares.
+    limits : Limits
+    subject : Subject
+
+    Returns
+    -------
+    dict of str to int
+        By mistake, the number of samples that it makes wrong and the check lets pass. Mistakes that
+        do not show in this view are not among them.
+    """
+    found = {}
+    for mistake in MISTAKES:
+        changed = planted(mistake, shown, subject.view)
+        wrong = int(np.count_nonzero(~subject.truth.admits(changed.face) & (changed.face != shown.face)))
+        if wrong and judge(mistake, changed, expected, limits, subject).passed:
+            found[mistake] = wrong
+    return found

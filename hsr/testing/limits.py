@@ -24,6 +24,17 @@ CAUSES = (
 COUNTS = ("max_diff_pixels", "max_diff_ratio", "max_cluster")
 """The limits of how many samples may differ. All that are set apply; with none set no sample may."""
 
+NAMES = (*COUNTS, "depth_ulps", "allow")
+"""All limits."""
+
+NUMBERS: dict[str, tuple[Any, str]] = {
+    "max_diff_pixels": (int, "a whole number from 0"),
+    "max_cluster": (int, "a whole number from 0"),
+    "depth_ulps": (int | float, "a number from 0"),
+    "max_diff_ratio": (int | float, "a number from 0 to 1"),
+}
+"""Which numbers a limit may be."""
+
 DEFAULT = "default"
 
 
@@ -61,10 +72,11 @@ class Limits:
     origin: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for name in ("max_diff_pixels", "max_cluster"):
-            self._check(name, int, "a whole number from 0")
-        self._check("depth_ulps", (int, float), "a number from 0")
-        self._check("max_diff_ratio", (int, float), "a number from 0 to 1")
+        for name, (kind, expected) in NUMBERS.items():
+            value = getattr(self, name)
+            number = isinstance(value, kind) and not isinstance(value, bool)
+            if value is not None and not (number and value >= 0):
+                raise CheckError(f"{name}={value!r}{self._by(name)}: expected {expected}")
         if (self.max_diff_ratio or 0.0) > 1.0:
             raise CheckError(f"max_diff_ratio={self.max_diff_ratio}{self._by('max_diff_ratio')}: at most 1")
         if isinstance(self.allow, str):
@@ -77,14 +89,6 @@ class Limits:
                 )
         if all(getattr(self, name) is None for name in COUNTS):
             object.__setattr__(self, "max_diff_pixels", 0)
-
-    def _check(self, name: str, kind: type | tuple[type, ...], expected: str) -> None:
-        value: Any = getattr(self, name)
-        if value is None:
-            return
-        number = isinstance(value, kind) and not isinstance(value, bool)
-        if not number or not value >= 0:
-            raise CheckError(f"{name}={value!r}{self._by(name)}: expected {expected}")
 
     def _by(self, name: str) -> str:
         return f" ({self.origin[name]})" if name in self.origin else ""
@@ -115,14 +119,10 @@ def merged(sources: Iterable[tuple[str, Mapping[str, Any]]]) -> Limits:
     origin: dict[str, str] = {}
     for who, given in sources:
         for name, value in given.items():
-            if name not in (*COUNTS, "depth_ulps", "allow"):
+            if name not in NAMES:
                 raise CheckError(f"{who}: there is no limit {name!r}; there are {', '.join(NAMES)}")
-            if name not in values:
-                values[name], origin[name] = value, who
+            values.setdefault(name, value)
+            origin.setdefault(name, who)
     if "allow" in values and not isinstance(values["allow"], str):
         values["allow"] = frozenset(values["allow"])
     return Limits(**values, origin=origin)
-
-
-NAMES = (*COUNTS, "depth_ulps", "allow")
-"""All limits."""

@@ -5,12 +5,10 @@ Two faces may be painted alike, and one face in two colours: a picture says litt
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from hsr.base.arrays import Pixels
-from hsr.base.errors import CheckError, UnavailableError
+from hsr.base.errors import CheckError
 
 MIN_SIMILARITY = 0.99
 
@@ -20,46 +18,17 @@ WINDOW = 7
 WEAKER = "weaker check: it compares colours, and overlooks a wrong face that is painted alike"
 
 
-@dataclass(frozen=True)
-class Alike:
-    """How alike two pictures are.
+def compared(picture: Pixels, reference: Pixels, min_similarity: float) -> tuple[bool, str]:
+    """Compare two shaded pictures; see :func:`hsr.testing.assert_similar`.
 
-    Attributes
-    ----------
-    similarity : float
-        Mean structural similarity (Wang, Bovik, Sheikh, Simoncelli 2004), 1 for equal pictures.
-    differing : int
-        Pixels of another colour.
-    min_similarity : float
-        What is demanded.
+    Returns
+    -------
+    bool, str
+        Whether they are alike enough, by their mean structural similarity (Wang, Bovik, Sheikh,
+        Simoncelli 2004); and the judgement as lines for people.
     """
+    from skimage.metrics import structural_similarity  # on first use: it takes a second to import
 
-    similarity: float
-    differing: int
-    min_similarity: float
-
-    @property
-    def passed(self) -> bool:
-        """Whether they are alike enough."""
-        return self.similarity >= self.min_similarity
-
-    @property
-    def text(self) -> str:
-        """The verdict as lines for people."""
-        return (
-            f"pictures: similarity {self.similarity:.6g}, at least {self.min_similarity:g} demanded, "
-            f"{self.differing} pixels of another colour\n  {WEAKER}"
-        )
-
-
-def compared(picture: Pixels, reference: Pixels, min_similarity: float) -> Alike:
-    """Compare two shaded pictures; see :func:`hsr.testing.assert_similar`."""
-    try:
-        from skimage.metrics import structural_similarity
-    except ImportError as error:
-        raise UnavailableError(
-            f"pictures need scikit-image ({error}); pip install 'hsr-lab[pictures]'"
-        ) from error
     picture, reference = np.asarray(picture), np.asarray(reference)
     if picture.shape != reference.shape or picture.dtype != np.uint8 or reference.dtype != np.uint8:
         raise CheckError(
@@ -69,6 +38,10 @@ def compared(picture: Pixels, reference: Pixels, min_similarity: float) -> Alike
     if picture.ndim not in (2, 3) or min(picture.shape[:2]) < WINDOW:
         raise CheckError(f"pictures must be (H, W) or (H, W, 3), {WINDOW} pixels or more a side")
     axis = None if picture.ndim == 2 else -1
-    similarity = structural_similarity(picture, reference, win_size=WINDOW, channel_axis=axis)
+    alike = structural_similarity(picture, reference, win_size=WINDOW, channel_axis=axis)
     other = (picture != reference).reshape(*picture.shape[:2], -1).any(axis=-1)
-    return Alike(float(similarity), int(np.count_nonzero(other)), min_similarity)
+    text = (
+        f"pictures: similarity {alike:.6g}, at least {min_similarity:g} demanded, "
+        f"{np.count_nonzero(other)} pixels of another colour\n  {WEAKER}"
+    )
+    return bool(alike >= min_similarity), text

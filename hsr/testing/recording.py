@@ -16,16 +16,14 @@ from hsr.pages.inspector import fragment
 from hsr.pages.stories import Shown
 from hsr.pictures.png import save_picture
 from hsr.problem.map import VisibilityMap
-from hsr.problem.view import View
-from hsr.scene.model import Mesh, Scene
+from hsr.scene.model import Mesh, Object, Scene
 from hsr.scene.writing import write_scene
 from hsr.testing.baselines import SUFFIXES, contents, file_stem, match, variants, write
 from hsr.testing.checks import agreement
-from hsr.testing.judging import Judgement
+from hsr.testing.judging import Judgement, let_through
 from hsr.testing.limits import Limits, merged
 from hsr.testing.pictures import MIN_SIMILARITY, compared
-from hsr.testing.problems import Problem, Showing, problem_of
-from hsr.testing.selfcheck import let_through
+from hsr.testing.subject import Showing, Subject, subject_of
 
 ITEMS = "items"
 """Folder among the results with a JSON file and the failed maps of every test."""
@@ -34,7 +32,7 @@ PAGE = "report.html"
 
 
 @dataclass(frozen=True)
-class Case:
+class Options:
     """A test and the options that hold for it.
 
     Attributes
@@ -43,8 +41,6 @@ class Case:
         Its name as pytest has it.
     root, results, baselines : Path
         The project's root, the results of this run, the baselines of the test's module.
-    parts : tuple of str
-        Names of its classes and function, parameters among it.
     limits : sequence of (str, mapping)
         Limits and who set them, the strongest first.
     update : {"", "failed", "new", "all"}
@@ -59,7 +55,6 @@ class Case:
     root: Path
     results: Path
     baselines: Path
-    parts: tuple[str, ...]
     limits: Sequence[tuple[str, Mapping[str, Any]]]
     update: str
     keep: str
@@ -78,7 +73,7 @@ class Check:
         How the test calls what it checked.
     passed : bool
     text : str
-        The verdict.
+        The judgement, as lines.
     counts : dict of str to int
         Samples that differ, by cause.
     sample : list of 2 int or None
@@ -127,23 +122,25 @@ class Visibility:
 
     Parameters
     ----------
-    case : Case
+    options : Options
     properties : list of (str, object)
         Takes what the JUnit file says of the test.
     """
 
-    def __init__(self, case: Case, properties: list[tuple[str, object]]) -> None:
-        self._case = case
+    def __init__(self, options: Options, properties: list[tuple[str, object]]) -> None:
+        self._options = options
         self._properties = properties
         self._checks: list[Check] = []
         self._used: set[str] = set()
         self._stems: set[str] = set()
-        self._id = file_stem(*case.test.split("::"))
+        # The names of the test's module, of its classes and of its function with its parameters.
+        self._module, *self._names = options.test.split("::")
+        self._id = file_stem(self._module, *self._names)
 
     @cached_property
     def limits(self) -> Limits:
         """The limits that hold for this test."""
-        return merged(self._case.limits)
+        return merged(self._options.limits)
 
     # ------------------------------------------------------------ checks
 
@@ -177,28 +174,17 @@ class Visibility:
         """
         __tracebackhide__ = True
         found = agreement(maps, reference, self.limits, scene, camera)
-        checks = [self._judged(judgement) for judgement in found]
-        self._demand(checks)
+        self._demand([self._judged(judgement) for judgement in found])
 
     def equal(
-        self,
-        a: VisibilityMap,
-        b: VisibilityMap,
-        *,
-        scene: Showing = None,
-        camera: str | None = None,
+        self, a: VisibilityMap, b: VisibilityMap, *, scene: Showing = None, camera: str | None = None
     ) -> None:
         """Check that map ``a`` shows the faces of map ``b``; otherwise like :meth:`agree`."""
         __tracebackhide__ = True
         self.agree({a.method: a}, b, scene=scene, camera=camera)
 
     def check(
-        self,
-        map: VisibilityMap,
-        name: str | None = None,
-        *,
-        scene: Showing = None,
-        camera: str | None = None,
+        self, map: VisibilityMap, name: str | None = None, *, scene: Showing = None, camera: str | None = None
     ) -> None:
         """Check that a map shows what a stored baseline shows.
 
@@ -218,23 +204,26 @@ class Visibility:
             If a baseline cannot be read.
         """
         __tracebackhide__ = True
-        case = self._case
-        stem = self._stem(name)
-        called, files = name or case.parts[-1], variants(case.baselines, stem)
-        problem = problem_of(scene, camera, map)
+        folder, stem = self._options.baselines, self._stem(name)
+        called, files = name or self._names[-1], variants(folder, stem)
+        subject = subject_of(scene, camera, map)
         if files:
-            check, target = self._matched(called, map, files, problem)
+            check, target = self._matched(called, map, files, subject)
         else:
-            target = case.baselines / f"{stem}{SUFFIXES[case.keep]}"
+            target = folder / f"{stem}{SUFFIXES[self._options.keep]}"
             check = self._new(called, False, f"{called}: there is no baseline {self._seen_from_root(target)}")
         check.contents, check.baseline = contents(map), self._seen_from_root(target)
         check.depths = self.limits.depth_ulps is not None
         self._used |= {file.name for file in (*files, target)}
         if not check.passed and not check.shown:
             check.shown = self._keep(check, "shown", map)
-            self._inspect(check, Shown(check.key, _view(problem), {called: map}, None, {}, {}))
-        if self._wanted(bool(files), check.passed):
-            self._update(check, target, map)
+            view = None if subject is None else subject.view
+            self._inspect(check, Shown(check.key, view, {called: map}, None, {}, {}))
+        due = "new" if not files else "failed" if not check.passed else "all"
+        if self._options.update in (due, "all"):
+            write(target, map, check.depths)
+            check.written = True
+            check.text += f"\n  wrote {check.baseline}: look at it, then run again without --hsr-update"
         elif not files:
             check.text += "\n  look at what it shows, then accept it, or run with --hsr-update=new"
         self._demand([check])
@@ -256,48 +245,33 @@ class Visibility:
             If they cannot be compared.
         """
         __tracebackhide__ = True
-        alike = compared(picture, reference, min_similarity)
-        check = self._new("pictures", alike.passed, alike.text)
+        passed, text = compared(picture, reference, min_similarity)
+        check = self._new("pictures", passed, text)
         check.weaker = True
-        if not alike.passed:
-            check.shown = self._file(check, "shown.png")
-            check.expected = self._file(check, "expected.png")
-            save_picture(picture, self._case.results / check.shown)
-            save_picture(reference, self._case.results / check.expected)
+        if not passed:
+            check.shown, check.expected = (self._file(check, f"{what}.png") for what in ("shown", "expected"))
+            save_picture(picture, self._options.results / check.shown)
+            save_picture(reference, self._options.results / check.expected)
             check.link = f"#{check.key}"
         self._demand([check])
 
     # ------------------------------------------------------------ baselines
 
     def _stem(self, name: str | None) -> str:
-        stem = file_stem(*self._case.parts, *([name] if name is not None else []))
+        stem = file_stem(*self._names, *([name] if name is not None else []))
         if stem in self._stems:
             raise CheckError("two checks of one test need different names: visibility.check(map, name=...)")
         self._stems.add(stem)
         return stem
 
     def _matched(
-        self, called: str, map: VisibilityMap, files: Sequence[Path], problem: Problem | None
+        self, called: str, map: VisibilityMap, files: Sequence[Path], subject: Subject | None
     ) -> tuple[Check, Path]:
-        """Compare a map with its baselines; return the verdict, and the file it is about."""
-        found = match(called, map, files, self.limits, problem)
+        """Compare a map with its baselines; return the check, and the file it is about."""
+        found = match(called, map, files, self.limits, subject)
         if found.judgement is None:
             return self._new(called, found.passed, "\n".join(found.lines)), found.file
         return self._judged(found.judgement, *found.lines), found.file
-
-    def _wanted(self, stored: bool, passed: bool) -> bool:
-        """Whether this run is to write a baseline."""
-        update = self._case.update
-        return (
-            update == "all"
-            or (update == "failed" and stored and not passed)
-            or (update == "new" and not stored)
-        )
-
-    def _update(self, check: Check, target: Path, map: VisibilityMap) -> None:
-        write(target, map, check.depths)
-        check.written = True
-        check.text += f"\n  wrote {check.baseline}: look at it, then run again without --hsr-update"
 
     # ------------------------------------------------------------ records
 
@@ -307,42 +281,40 @@ class Visibility:
             return
         record = {
             "hsr": 1,
-            "test": self._case.test,
+            "test": self._options.test,
             "checks": [asdict(check) for check in self._checks],
-            "baselines": self._seen_from_root(self._case.baselines),
+            "baselines": self._seen_from_root(self._options.baselines),
             "used": sorted(self._used),
         }
-        file = self._folder() / "checks.json"
-        file.write_text(json.dumps(record, indent=1), encoding="utf-8")
+        (self._folder / "checks.json").write_text(json.dumps(record, indent=1), encoding="utf-8")
 
     def _judged(self, judgement: Judgement, *lines: str) -> Check:
-        """Record a verdict; of a failed one keep the maps, of a passed one try planted mistakes."""
+        """Record a judgement; of a failed one keep the maps, of a passed one try planted mistakes."""
         shown, expected = judgement.difference.a, judgement.difference.b
-        check = self._new(judgement.name, judgement.passed, "")
+        check = self._new(judgement.name, judgement.passed, "\n".join(lines or [judgement.text()]))
         check.counts, check.contents = judgement.counts, contents(shown)
         if judgement.sample is not None:
             check.sample = [judgement.sample[1], judgement.sample[0]]
-        check.text = "\n".join(lines or [judgement.text()])
         if not judgement.passed:
             check.shown = self._keep(check, "shown", shown)
             check.expected = self._keep(check, "expected", expected)
             self._inspect(check, _compared(check.key, judgement), judgement.sample)
             check.text += self._command(check, judgement)
-        elif self._case.selfcheck and judgement.problem is not None:
-            check.lets_pass = let_through(shown, expected, self.limits, judgement.problem)
+        elif self._options.selfcheck and judgement.subject is not None:
+            check.lets_pass = let_through(shown, expected, self.limits, judgement.subject)
         return check
 
     def _command(self, check: Check, judgement: Judgement) -> str:
         """Return the line with the command that explains the first sample; it needs a scene file."""
-        problem = judgement.problem
-        if problem is None or problem.scene is None:
+        subject = judgement.subject
+        if subject is None or subject.scene is None:
             return ""
-        file = problem.file
+        file = subject.file
         if not file:
-            written = self._case.results / self._file(check, "scene.toml")
-            write_scene(_absolute(problem.scene), written)
+            written = self._options.results / self._file(check, "scene.toml")
+            write_scene(_absolute(subject.scene), written)
             file = self._seen_from_root(written)
-        return f"\n  {judgement.command(file, self._seen_from_root(self._case.results / check.shown))}"
+        return f"\n  {judgement.command(file, self._seen_from_root(self._options.results / check.shown))}"
 
     def _new(self, name: str, passed: bool, text: str) -> Check:
         check = Check(f"{self._id}/{len(self._checks) + 1}", name, passed, text)
@@ -353,69 +325,59 @@ class Visibility:
         __tracebackhide__ = True
         for check in checks:
             words = ", ".join(f"{count} {label}" for label, count in check.counts.items())
-            verdict = f"{'passed' if check.passed else 'failed'}{': ' if words else ''}{words}"
-            self._properties.append((f"visibility {check.name}", verdict))
+            outcome = "passed" if check.passed else "failed"
+            self._properties.append((f"visibility {check.name}", f"{outcome}: {words}" if words else outcome))
             if check.shown:
-                check.text += f"\n  {(self._case.results / PAGE).as_uri()}{check.link}"
+                check.text += f"\n  {(self._options.results / PAGE).as_uri()}{check.link}"
         failed = [check.text for check in checks if not check.passed]
         if failed:
             raise VisibilityError("\n".join(failed))
 
     # ------------------------------------------------------------ files
 
+    @cached_property
     def _folder(self) -> Path:
-        folder = self._case.results / ITEMS / self._id
+        folder = self._options.results / ITEMS / self._id
         folder.mkdir(parents=True, exist_ok=True)
         return folder
 
     def _file(self, check: Check, what: str) -> str:
         """Return the name of a file of a check, seen from the results."""
         name = f"{check.key.rpartition('/')[2]}-{what}"
-        return (self._folder() / name).relative_to(self._case.results).as_posix()
+        return (self._folder / name).relative_to(self._options.results).as_posix()
 
     def _inspect(self, check: Check, shown: Shown, sample: tuple[int, int] | None = None) -> None:
         """Keep what the page shows of maps, and how its address names what to look at first."""
         check.inspection = self._file(check, "inspection.json")
-        (self._case.results / check.inspection).write_text(json.dumps(kept(shown)), encoding="utf-8")
+        (self._options.results / check.inspection).write_text(json.dumps(kept(shown)), encoding="utf-8")
         check.link = fragment(check.key, list(shown.maps)[-1], sample)
 
     def _keep(self, check: Check, what: str, map: VisibilityMap) -> str:
         file = self._file(check, f"{what}.npz")
-        map.save(self._case.results / file)
+        map.save(self._options.results / file)
         return file
 
     def _seen_from_root(self, file: Path) -> str:
-        return (
-            file.relative_to(self._case.root).as_posix()
-            if file.is_relative_to(self._case.root)
-            else str(file)
-        )
-
-
-def _view(problem: Problem | None) -> View | None:
-    return None if problem is None else problem.view
+        root = self._options.root
+        return file.relative_to(root).as_posix() if file.is_relative_to(root) else str(file)
 
 
 def _compared(key: str, judgement: Judgement) -> Shown:
-    """Return what the inspector shows of a verdict: what was expected, then what was judged against it."""
-    found, name = judgement.difference, judgement.name
+    """Return what the inspector shows of a judgement: what was expected, then what was judged against it."""
+    found, name, subject = judgement.difference, judgement.name, judgement.subject
     expected = found.b.method if found.b.method != name else f"{name}, expected"
-    return Shown(
-        key,
-        _view(judgement.problem),
-        {expected: found.b, name: found.a},
-        expected,
-        {name: found},
-        {} if judgement.causes is None else {name: judgement.causes},
-    )
+    why = {} if judgement.causes is None else {name: judgement.causes}
+    maps = {expected: found.b, name: found.a}
+    view = None if subject is None else subject.view
+    return Shown(key, view, maps, expected, {name: found}, why)
 
 
 def _absolute(scene: Scene) -> Scene:
     """Return a scene that may be written anywhere: its mesh files are named from the root."""
-    things = [
-        thing.model_copy(update={"file": str((scene.folder / thing.file).resolve())})
-        if isinstance(thing, Mesh) and thing.file
-        else thing
-        for thing in scene.object
-    ]
-    return scene.model_copy(update={"object": tuple(things)})
+
+    def moved(thing: Object) -> Object:
+        if not isinstance(thing, Mesh) or not thing.file:
+            return thing
+        return thing.model_copy(update={"file": str((scene.folder / thing.file).resolve())})
+
+    return scene.model_copy(update={"object": tuple(map(moved, scene.object))})

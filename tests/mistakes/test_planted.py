@@ -12,9 +12,9 @@ from hsr.base.errors import ViewError
 from hsr.mistakes.planted import MISTAKES, planted
 from hsr.mistakes.renderers import Buffer
 from hsr.problem.view import View
+from hsr.testing.judging import let_through
 from hsr.testing.limits import Limits
-from hsr.testing.problems import Problem
-from hsr.testing.selfcheck import let_through
+from hsr.testing.subject import Subject
 
 TURNED = [{"rotate_x": 20.0}, {"rotate_y": 35.0}]
 WALL = {"name": "wall", "shape": "square", "transform": [{"scale": 1.7}, {"rotate_y": -50.0}]}
@@ -43,8 +43,8 @@ def test_a_planted_mistake_changes_what_it_changes(view: View) -> None:
 
 def test_a_strict_check_overlooks_nothing_that_shows(view: View) -> None:
     truth = hsr.render(view, "exact")
-    assert let_through(truth, truth, Limits(), Problem(view)) == {}
-    lax = let_through(truth, truth, Limits(max_diff_ratio=1.0), Problem(view))
+    assert let_through(truth, truth, Limits(), Subject(view)) == {}
+    lax = let_through(truth, truth, Limits(max_diff_ratio=1.0), Subject(view))
     assert {"flipped y", "pixel corner instead of centre", "truncating snap"} <= set(lax) <= set(MISTAKES)
     assert lax["flipped y"] > 32
 

@@ -16,7 +16,7 @@ from hsr.problem.map import Admissible, VisibilityMap, depth_format
 from hsr.problem.view import View
 from hsr.testing.judging import judge
 from hsr.testing.limits import Limits
-from hsr.testing.problems import Problem, problem_of
+from hsr.testing.subject import Subject, subject_of
 
 
 def a_map(face: Any, depth: Any = 2.0, method: str = "a", **more: Any) -> VisibilityMap:
@@ -118,24 +118,24 @@ def box(make_scene: Any) -> View:
 
 def test_the_cause_is_told_with_its_story(box: View) -> None:
     painted, truth = hsr.render(box, "backface"), hsr.render(box, "exact")
-    found = judge("painted", painted, truth, Limits(), Problem(box))
+    found = judge("painted", painted, truth, Limits(), Subject(box))
     assert set(found.counts) == {"no depth test"}
     assert "    backface shows wall because it paints without comparing depths" in found.text()
-    forgiven = judge("painted", painted, truth, Limits(allow=frozenset({"no depth test"})), Problem(box))
+    forgiven = judge("painted", painted, truth, Limits(allow=frozenset({"no depth test"})), Subject(box))
     assert forgiven.passed and "(allowed)" in forgiven.text()
 
 
 def test_the_reference_may_be_what_is_wrong(box: View) -> None:
     painted, truth = hsr.render(box, "backface"), hsr.render(box, "exact")
-    found = judge("mine", truth, painted, Limits(), Problem(box))
+    found = judge("mine", truth, painted, Limits(), Subject(box))
     assert set(found.counts) == {"reference wrong"}
-    assert judge("mine", truth, painted, Limits(allow=frozenset({"reference wrong"})), Problem(box)).passed
+    assert judge("mine", truth, painted, Limits(allow=frozenset({"reference wrong"})), Subject(box)).passed
 
 
 def test_a_renderer_without_models_is_judged_by_class(box: View) -> None:
     truth = hsr.render(box, "exact")
     shifted = replace(truth, face=np.roll(truth.face, 1, axis=1), method="other", admissible=None)
-    found = judge("mine", shifted, truth, Limits(), Problem(box))
+    found = judge("mine", shifted, truth, Limits(), Subject(box))
     assert found.counts and set(found.counts) <= {"wrong face", "missing", "extra"}
     assert "exactly, " in found.text()
 
@@ -160,8 +160,8 @@ def test_a_map_of_other_faces_is_refused(box: View) -> None:
         hsr.render(box, "exact"), manifest=[{"name": "x", "shape": "mesh", "first": 0, "count": 1}]
     )
     with pytest.raises(CheckError, match="other faces than the scene; leave 'scene' out"):
-        problem_of(box, None, other)
+        subject_of(box, None, other)
     with pytest.raises(CheckError, match="has 2x1 samples and the view 24x16; render it at that size"):
-        problem_of(box, None, a_map([[0, 0]]))
+        subject_of(box, None, a_map([[0, 0]]))
     with pytest.raises(CheckError, match="scene must be a scene, its file or a view, not int"):
-        problem_of(3, None, other)  # type: ignore[arg-type]
+        subject_of(3, None, other)  # type: ignore[arg-type]

@@ -18,7 +18,7 @@ Showing = Scene | View | str | Path | None
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class Subject:
     """What the maps of a check show, where the test says so: it makes the truth known.
 
     Attributes
@@ -43,13 +43,12 @@ class Problem:
         return render(self.view, "exact")
 
 
-def problem_of(scene: Showing, camera: str | None, shown: VisibilityMap) -> Problem | None:
-    """Return what a map shows, from what a test says of it.
+def subject_of(scene: Showing, camera: str | None, shown: VisibilityMap) -> Subject | None:
+    """Return what a map shows, from what a test says of it; nothing if it says nothing.
 
     Parameters
     ----------
     scene : Scene, View, str, Path or None
-        A scene, its file, the view itself, or nothing.
     camera : str or None
         Name of the camera; the scene's first by default.
     shown : VisibilityMap
@@ -65,9 +64,9 @@ def problem_of(scene: Showing, camera: str | None, shown: VisibilityMap) -> Prob
     file = str(scene) if isinstance(scene, str | Path) else ""
     given = load(file) if file else scene
     if isinstance(given, Scene):
-        found = Problem(view(given, (shown.width, shown.height), camera), file, given, camera or "")
+        found = Subject(view(given, (shown.width, shown.height), camera), file, given, camera or "")
     elif isinstance(given, View):
-        found = Problem(given)
+        found = Subject(given)
     else:
         raise CheckError(f"scene must be a scene, its file or a view, not {type(scene).__name__}")
     if (found.view.width, found.view.height) != (shown.width, shown.height):
