@@ -19,21 +19,7 @@ from hsr.base.errors import HsrError, SceneError
 from hsr.scene.camera import projection_of
 from hsr.scene.gltf import Document, unique
 from hsr.scene.meshes import Faces, mesh_shape, read_faces
-from hsr.scene.model import (
-    Ambient,
-    Camera,
-    Cube,
-    Cylinder,
-    Directional,
-    Mesh,
-    Object,
-    Perspective,
-    Polyhedron,
-    Scene,
-    Sphere,
-    Square,
-    Thing,
-)
+from hsr.scene.model import Ambient, Camera, Directional, Mesh, Object, Perspective, Polyhedron, Scene, Thing
 from hsr.scene.polyhedra import convexity_problems
 from hsr.scene.shapes import MAX_FACES, Kind, Polygons, Shape, generic
 from hsr.scene.transforms import compose, placed
@@ -231,18 +217,12 @@ def _shape(thing: Object, folder: Path) -> Shape:
 @lru_cache(maxsize=128)
 def _defined_shape(thing: Object) -> Shape:
     """Make a shape from what the scene file says of it."""
-    match thing:
-        case Square() | Cube() | Sphere() | Cylinder():
-            return generic(**thing.model_dump(exclude={*Thing.model_fields}))
-        case Polyhedron():
-            return _polyhedron(thing)
-        case Mesh():
-            with _prefixed("faces: "):
-                return mesh_shape(Faces.of_rows(thing.vertices, np.reshape(thing.faces or (), (-1, 3))))
-        case _:
-            from hsr.scene.generators import generate
-
-            return Shape(Kind.MESH, thing.shape, generate(thing))
+    if isinstance(thing, Polyhedron):
+        return _polyhedron(thing)
+    if isinstance(thing, Mesh):
+        with _prefixed("faces: "):
+            return mesh_shape(Faces.of_rows(thing.vertices, np.reshape(thing.faces or (), (-1, 3))))
+    return generic(**thing.model_dump(exclude={*Thing.model_fields}))
 
 
 def _polyhedron(thing: Polyhedron) -> Shape:

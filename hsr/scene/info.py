@@ -57,7 +57,7 @@ def describe(scene: Scene, size: tuple[int, int] = (512, 512)) -> dict[str, Any]
             "copies": sum(entry["copies"] for entry in objects),
             "faces": sum(entry["copies"] * entry["faces"] for entry in objects),
         },
-        "bounds": _joined([entry["bounds"] for entry in objects]),
+        "bounds": _box(np.array([[entry["bounds"]["low"], entry["bounds"]["high"]] for entry in objects])),
         "cameras": [_camera(camera, projections[camera.name]) for camera in scene.camera],
         "objects": objects,
     }
@@ -141,10 +141,7 @@ def _field_of_view(projection: Projection, axis: int) -> float:
 
 
 def _object(
-    thing: Object,
-    scene: Scene,
-    projections: dict[str, Projection],
-    problem_of: Callable[[Shape], str],
+    thing: Object, scene: Scene, projections: dict[str, Projection], problem_of: Callable[[Shape], str]
 ) -> dict[str, Any]:
     shape = shape_of(thing, scene.folder)
     matrices = [matrix for _, matrix in copies(thing)]
@@ -156,7 +153,7 @@ def _object(
         "faces": shape.faces,
         "cut": shape.cut,
         "cull": thing.cull,
-        "bounds": _bounds(reach, matrices),
+        "bounds": _box(np.array([np.transpose([reach(row) for row in matrix[:3]]) for matrix in matrices])),
         "culling": {
             name: problem_of(shape) or _sight_problem(projection, shape, reach, matrices)
             for name, projection in projections.items()
@@ -182,10 +179,9 @@ def _sight_problem(projection: Projection, shape: Shape, reach: Reach, matrices:
         low, high = reach(projection.depth_row @ matrix)
         if low < projection.near < high:
             which = f" (copy {k})" if len(matrices) > 1 else ""
-            inside = projection.perspective and _holds(
-                shape, np.linalg.solve(matrix, [*eye_of(projection), 1.0])
-            )
-            return f"the eye is inside it{which}" if inside else f"the near plane cuts it{which}"
+            if projection.perspective and _holds(shape, np.linalg.solve(matrix, [*eye_of(projection), 1.0])):
+                return f"the eye is inside it{which}"
+            return f"the near plane cuts it{which}"
     return ""
 
 
@@ -214,14 +210,6 @@ def _polygon_reach(points: Floats, row: Floats) -> tuple[float, float]:
     return float(values.min()), float(values.max())
 
 
-def _bounds(reach: Reach, matrices: Sequence[Floats]) -> dict[str, list[float]]:
-    """World corners of the box around all copies."""
-    found = np.array([[reach(row) for row in matrix[:3]] for matrix in matrices])
-    return {"low": found[:, :, 0].min(axis=0).tolist(), "high": found[:, :, 1].max(axis=0).tolist()}
-
-
-def _joined(bounds: list[dict[str, list[float]]]) -> dict[str, list[float]]:
-    return {
-        "low": np.min([box["low"] for box in bounds], axis=0).tolist(),
-        "high": np.max([box["high"] for box in bounds], axis=0).tolist(),
-    }
+def _box(boxes: Floats) -> dict[str, list[float]]:
+    """Return the opposite corners of the box around boxes (n, 2, 3)."""
+    return {"low": boxes[:, 0].min(axis=0).tolist(), "high": boxes[:, 1].max(axis=0).tolist()}

@@ -61,12 +61,40 @@ def _thrice(value: Any) -> Any:
 NUMBER: dict[str, Any] = {"type": "number"}
 THREE_NUMBERS: dict[str, Any] = {"type": "array", "items": NUMBER, "minItems": 3, "maxItems": 3}
 
+
+def _invertible(scale: Vector) -> Vector:
+    if 0.0 in scale:
+        raise ValueError("a scale of 0 makes the transform singular")
+    return scale
+
+
+def _affine(matrix: Matrix) -> Matrix:
+    if matrix[3] != (0.0, 0.0, 0.0, 1.0):
+        raise ValueError("the last row of an affine matrix is [0, 0, 0, 1]")
+    if exact_determinant([row[:3] for row in matrix[:3]]) == 0:
+        raise ValueError("the matrix is singular: it flattens the object")
+    return matrix
+
+
+def _somewhere(direction: Vector) -> Vector:
+    if not any(direction):
+        raise ValueError("a direction of length 0 points nowhere")
+    return direction
+
+
 Entry = TypeVar("Entry")
 List = Annotated[tuple[Entry, ...], BeforeValidator(_as_tuple)]
 Vector = Annotated[tuple[float, float, float], _exactly(3)]
-Scale = Annotated[Vector, BeforeValidator(_thrice), WithJsonSchema({"anyOf": [NUMBER, THREE_NUMBERS]})]
+Direction = Annotated[Vector, AfterValidator(_somewhere)]
+Scale = Annotated[
+    Vector,
+    BeforeValidator(_thrice),
+    AfterValidator(_invertible),
+    WithJsonSchema({"anyOf": [NUMBER, THREE_NUMBERS]}),
+]
 Row = Annotated[tuple[float, float, float, float], _exactly(4)]
 Matrix = Annotated[tuple[Row, Row, Row, Row], _exactly(4, "rows")]
+Affine = Annotated[Matrix, AfterValidator(_affine)]
 Channel = Annotated[float, Field(ge=0.0, le=1.0)]
 Colour = Annotated[tuple[Channel, Channel, Channel], _exactly(3)]
 Loop = Annotated[List[int], Field(min_length=3)]
@@ -227,7 +255,7 @@ class Step(Description):
     rotate_x: float | None = None
     rotate_y: float | None = None
     rotate_z: float | None = None
-    matrix: Matrix | None = None
+    matrix: Affine | None = None
 
     @model_validator(mode="after")
     def _exactly_one_key(self) -> Step:
@@ -239,24 +267,6 @@ class Step(Description):
     def given(self) -> dict[str, Any]:
         """The one key and its value."""
         return {key: value for key, value in self if value is not None}
-
-    @field_validator("scale")
-    @classmethod
-    def _scale_is_invertible(cls, scale: Scale | None) -> Scale | None:
-        if scale is not None and 0.0 in scale:
-            raise ValueError("a scale of 0 makes the transform singular")
-        return scale
-
-    @field_validator("matrix")
-    @classmethod
-    def _matrix_is_affine(cls, matrix: Matrix | None) -> Matrix | None:
-        if matrix is None:
-            return matrix
-        if matrix[3] != (0.0, 0.0, 0.0, 1.0):
-            raise ValueError("the last row of an affine matrix is [0, 0, 0, 1]")
-        if exact_determinant([row[:3] for row in matrix[:3]]) == 0:
-            raise ValueError("the matrix is singular: it flattens the object")
-        return matrix
 
 
 class Scatter(Description):
@@ -440,15 +450,8 @@ class Directional(Description):
     """Light from infinitely far away, travelling along ``direction`` (world space)."""
 
     type: Literal["directional"]
-    direction: Vector
+    direction: Direction
     colour: Colour = (0.8, 0.8, 0.8)
-
-    @field_validator("direction")
-    @classmethod
-    def _is_not_zero(cls, direction: Vector) -> Vector:
-        if not any(direction):
-            raise ValueError("a direction of length 0 points nowhere")
-        return direction
 
 
 class Point(Description):

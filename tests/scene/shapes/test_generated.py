@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from hsr.base.arrays import Array, Floats, Ints
-from hsr.scene import generators
-from hsr.scene.generators import Generated, fir, generate, menger, teapot, teapot_patches, terrain, torus_knot
-from hsr.scene.shapes import Polygons
+from hsr.scene.files import shape_of
+from hsr.scene.model import Object
+from hsr.scene.shapes import Polygons, fir, menger, teapot, terrain, torus_knot
 
 
 def sides(polygons: Polygons) -> Counter[tuple[int, int]]:
@@ -56,27 +57,28 @@ def as_set(points: Floats) -> set[tuple[float, ...]]:
 
 # ---------------------------------------------------------------- all of them
 
-ANY: TypeAdapter[Generated] = TypeAdapter(Generated)
+ANY: TypeAdapter[Object] = TypeAdapter(Object)
 
 THINGS: list[tuple[dict[str, Any], Polygons]] = [
-    ({"shape": "teapot", "detail": 3}, teapot(3)),
+    ({"shape": "teapot", "detail": 3}, teapot.polygons(3)),
     (
         {"shape": "torus-knot", "p": 3, "q": 4, "segments": 40, "sides": 5, "thickness": 0.2},
-        torus_knot(3, 4, 40, 5, 0.2),
+        torus_knot.polygons(3, 4, 40, 5, 0.2),
     ),
     (
         {"shape": "terrain", "detail": 3, "roughness": 0.4, "height": 0.2, "seed": 9},
-        terrain(3, 0.4, 0.2, 9),
+        terrain.polygons(3, 0.4, 0.2, 9),
     ),
-    ({"shape": "menger", "level": 1}, menger(1)),
-    ({"shape": "fir", "tiers": 3, "sides": 7}, fir(3, 7)),
+    ({"shape": "menger", "level": 1}, menger.polygons(1)),
+    ({"shape": "fir", "tiers": 3, "sides": 7}, fir.polygons(3, 7)),
 ]
 
 
 @pytest.mark.parametrize(("table", "expected"), THINGS, ids=[table["shape"] for table, _ in THINGS])
 def test_a_description_gives_its_shape_to_the_byte(table: dict[str, Any], expected: Polygons) -> None:
     thing = ANY.validate_python({"name": "thing", **table})
-    made = generate(thing)
+    made = shape_of(thing, Path()).polygons
+    assert made is not None
     assert made.vertices.tobytes() == expected.vertices.tobytes()
     assert made.corner.tobytes() == expected.corner.tobytes()
 
@@ -106,7 +108,7 @@ def test_what_would_coincide_with_itself_is_refused(table: dict[str, Any]) -> No
 
 
 def test_the_teapot_has_the_32_patches_and_290_points_of_the_published_list() -> None:
-    patches = teapot_patches()
+    patches = teapot.patches()
     assert patches.shape == (32, 4, 4, 3)
     points = as_set(patches)
     assert len(points) == 290
@@ -115,7 +117,7 @@ def test_the_teapot_has_the_32_patches_and_290_points_of_the_published_list() ->
 
 
 def test_the_teapot_is_its_own_mirror_image_and_the_pot_its_own_quarter_turn() -> None:
-    patches = teapot_patches()
+    patches = teapot.patches()
     assert as_set(patches * [1.0, 1.0, -1.0]) == as_set(patches)
     pot = patches[:24]
     assert as_set(pot[..., [2, 1, 0]] * [-1.0, 1.0, 1.0]) == as_set(pot)
@@ -123,7 +125,7 @@ def test_the_teapot_is_its_own_mirror_image_and_the_pot_its_own_quarter_turn() -
 
 @pytest.mark.parametrize("detail", [2, 5, 8])
 def test_the_teapot_stands_on_the_ground_and_has_its_known_extent(detail: int) -> None:
-    polygons = teapot(detail)
+    polygons = teapot.polygons(detail)
     assert len(polygons) == 64 * detail**2 - 8 * detail
     low, high = polygons.vertices.min(axis=0), polygons.vertices.max(axis=0)
     assert low.tolist() == [-3.0, 0.0, -2.0]
@@ -132,7 +134,7 @@ def test_the_teapot_stands_on_the_ground_and_has_its_known_extent(detail: int) -
 
 def test_pot_lid_handle_and_spout_face_outward() -> None:
     detail = 8
-    polygons, patch = teapot(detail), 2 * detail**2
+    polygons, patch = teapot.polygons(detail), 2 * detail**2
     # In the order of the patches; pot and lid each end in a point where triangles are left out.
     counts = [16 * patch - 4 * detail, 8 * patch - 4 * detail, 4 * patch, 4 * patch]
     parts = np.split(polygons.triangle_vertex, np.cumsum(counts)[:-1])
@@ -142,7 +144,7 @@ def test_pot_lid_handle_and_spout_face_outward() -> None:
 
 def test_the_open_ends_of_the_teapot_are_those_of_lid_pot_handle_and_spout() -> None:
     detail = 4
-    count = sides(teapot(detail))
+    count = sides(teapot.polygons(detail))
     border = sum((b, a) not in count for a, b in count)
     # A round of the rim, a round of the lid; two ends each of handle and spout, of two patches.
     assert border == (4 + 4 + 2 * 2 + 2 * 2) * detail
@@ -154,7 +156,7 @@ def test_the_open_ends_of_the_teapot_are_those_of_lid_pot_handle_and_spout() -> 
 @pytest.mark.parametrize(("p", "q"), [(2, 3), (3, 2), (1, 1), (5, 4)])
 def test_the_knot_is_a_closed_tube_of_the_volume_that_pappus_gives(p: int, q: int) -> None:
     segments, corners, thickness = 600, 12, 0.1
-    polygons = torus_knot(p, q, segments, corners, thickness)
+    polygons = torus_knot.polygons(p, q, segments, corners, thickness)
     assert len(polygons) == 2 * segments * corners
     assert is_closed(polygons) and len(components(polygons)) == 1
     rings = polygons.vertices.reshape(segments, corners, 3)
@@ -167,7 +169,7 @@ def test_the_knot_is_a_closed_tube_of_the_volume_that_pappus_gives(p: int, q: in
 
 def test_the_knot_winds_p_times_around_the_axis_and_q_times_around_the_core() -> None:
     p, q = 3, 5
-    centre = torus_knot(p, q, 400, 8, 0.1).vertices.reshape(400, 8, 3).mean(axis=1)
+    centre = torus_knot.polygons(p, q, 400, 8, 0.1).vertices.reshape(400, 8, 3).mean(axis=1)
 
     def turns(x: Array, y: Array) -> int:
         angle = np.unwrap(np.arctan2(y, x), period=2 * np.pi)
@@ -182,11 +184,11 @@ def test_the_knot_winds_p_times_around_the_axis_and_q_times_around_the_core() ->
 
 def heights(detail: int, roughness: float, height: float, seed: int) -> Floats:
     side = 2**detail + 1
-    return terrain(detail, roughness, height, seed).vertices[:, 1].reshape(side, side)
+    return terrain.polygons(detail, roughness, height, seed).vertices[:, 1].reshape(side, side)
 
 
 def test_terrain_covers_the_square_and_looks_up() -> None:
-    polygons = terrain(4, 0.6, 0.9, 3)
+    polygons = terrain.polygons(4, 0.6, 0.9, 3)
     assert len(polygons) == 2 * 4**4
     across = 2.0 / 16
     assert np.allclose(normals(polygons)[:, 1], across**2 / 2.0, rtol=1e-12, atol=0.0)
@@ -222,7 +224,7 @@ def test_the_corners_of_a_terrain_lie_at_height_0_and_seeds_differ() -> None:
 
 @pytest.mark.parametrize(("level", "squares"), [(0, 6), (1, 72), (2, 1056), (3, 18048)])
 def test_the_sponge_is_closed_and_has_its_known_volume_and_surface(level: int, squares: int) -> None:
-    polygons = menger(level)
+    polygons = menger.polygons(level)
     assert len(polygons) == squares
     assert (np.diff(polygons.start) == 4).all()
     assert is_closed(polygons)
@@ -231,14 +233,14 @@ def test_the_sponge_is_closed_and_has_its_known_volume_and_surface(level: int, s
 
 
 def test_the_squares_of_the_sponge_are_plane_to_the_last_bit() -> None:
-    polygons = menger(2)
+    polygons = menger.polygons(2)
     corners = polygons.vertices[polygons.corner].reshape(-1, 4, 3)
     flat = (corners == corners[:, :1]).all(axis=1)
     assert (flat.sum(axis=1) == 1).all()
 
 
 def test_a_cell_is_gone_if_two_of_its_coordinates_are_in_the_middle() -> None:
-    gone = {tuple(cell) for cell in np.argwhere(~generators._sponge(1)).tolist()}
+    gone = {tuple(cell) for cell in np.argwhere(~menger._sponge(1)).tolist()}
     assert gone == {(1, 1, 1), (0, 1, 1), (2, 1, 1), (1, 0, 1), (1, 2, 1), (1, 1, 0), (1, 1, 2)}
 
 
@@ -247,7 +249,7 @@ def test_a_cell_is_gone_if_two_of_its_coordinates_are_in_the_middle() -> None:
 
 @pytest.mark.parametrize(("tiers", "tips"), [(5, 32), (1, 3), (16, 5)])
 def test_a_fir_is_a_trunk_and_cones_each_closed_and_outward(tiers: int, tips: int) -> None:
-    polygons = fir(tiers, tips)
+    polygons = fir.polygons(tiers, tips)
     assert len(polygons) == 8 * tiers * tips + 28
     assert is_closed(polygons)
     parts = components(polygons)
@@ -256,7 +258,7 @@ def test_a_fir_is_a_trunk_and_cones_each_closed_and_outward(tiers: int, tips: in
 
 
 def test_a_fir_stands_on_the_origin_and_is_1_high() -> None:
-    vertices = fir(5, 32).vertices
+    vertices = fir.polygons(5, 32).vertices
     assert vertices[:, 1].min() == 0.0 and vertices[:, 1].max() == pytest.approx(1.0, abs=1e-15)
     assert np.abs(vertices[:, [0, 2]].mean(axis=0)).max() < 1e-15
-    assert len(fir(5, 32)) == 1308
+    assert len(fir.polygons(5, 32)) == 1308
