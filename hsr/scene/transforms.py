@@ -37,14 +37,11 @@ def compose(steps: Sequence[Step]) -> Floats:
     """
     if not steps:
         return np.eye(4)
-    before, ctx.prec = ctx.prec, PRECISION
-    try:
+    with ctx.workprec(PRECISION):
         product = _matrix_of(steps[0])
         for step in steps[1:]:
             product = _matrix_of(step) * product
         matrix = np.array([[_rounded(product[i, j]) for j in range(4)] for i in range(4)])
-    finally:
-        ctx.prec = before
     if not np.isfinite(matrix).all() or exact_determinant(matrix[:3, :3]) == 0:
         raise SceneError("the steps together over- or underflow float64; use less extreme numbers")
     return matrix
