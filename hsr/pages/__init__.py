@@ -1,1 +1,1 @@
-"""The page a person opens."""
+"""The pages a person opens, in one frame: report, checks, gallery, lessons, stability."""

@@ -19,6 +19,7 @@ from hsr.models.stages import Cause
 from hsr.pages.frame import page, style
 from hsr.pages.shading import shade
 from hsr.pictures.maps import depth_picture, face_picture
+from hsr.pictures.palette import CLASS_COLOURS
 from hsr.pictures.png import save_picture
 from hsr.problem.view import view
 from hsr.scene.model import MatrixCamera, Scene
@@ -31,9 +32,6 @@ PAUSE = 80
 
 SIDE, GAP = 224, 6
 """Of the pictures of the overview, in pixels."""
-
-WRONG = (204, 32, 38)
-"""Colour of samples that show the wrong face."""
 
 
 def write_gallery(
@@ -146,5 +144,6 @@ def _column(scene: Scene) -> list[Pixels]:
     answer, culled = render(seen, "raycast"), render(seen, "backface")
     shaded = shade(answer, seen)
     wrong: Pixels = 255 - (255 - shaded) // 4
-    wrong[np.isin(compare(culled, render(seen, "zbuffer")).classes, OTHER_OWNER)] = WRONG
+    differs = np.isin(compare(culled, render(seen, "zbuffer")).classes, OTHER_OWNER)
+    wrong[differs] = CLASS_COLOURS["wrong face"]
     return [shaded, face_picture(answer.face), gray2rgb(depth_picture(answer.depth)), wrong]

@@ -23,7 +23,7 @@ from hsr.pages.packing import pack, pack_alike, pack_json
 from hsr.pages.shading import facing
 from hsr.pages.stories import DIGITS, Shown, stories
 from hsr.pictures.maps import depth_shares, depth_span
-from hsr.pictures.palette import CAUSE_COLOURS, CLASS_COLOURS, face_colours
+from hsr.pictures.palette import CAUSE_COLOURS, CLASS_COLOURS, face_colours, to_bytes
 from hsr.problem.map import BACKGROUND, VisibilityMap
 from hsr.problem.view import View
 
@@ -82,7 +82,7 @@ def key() -> dict[str, Any]:
         "classes": _signs(CLASS_COLOURS, CLASS_LETTERS),
         "causes": _signs(CAUSE_COLOURS, CAUSE_LETTERS),
         "facing": [(86, 140, 220), (214, 96, 40)],
-        "ramp": np.rint(255 * colormaps["viridis"](np.linspace(0, 1, 64))[:, :3]).astype(int).tolist(),
+        "ramp": to_bytes(colormaps["viridis"](np.linspace(0, 1, 64))[:, :3]).tolist(),
         "farthest": FARTHEST,
         "empty": EMPTY,
         "smallest": SMALLEST,

@@ -14,6 +14,7 @@ import hsr
 from hsr.base.errors import HsrError
 from hsr.pages import gallery
 from hsr.pages.gallery import overview, turned, turntable, write_gallery
+from hsr.pictures.palette import CLASS_COLOURS
 from hsr.scene.model import Scene
 from tests.pages.policies import assert_strict
 
@@ -74,5 +75,5 @@ def test_the_overview_has_a_column_a_scene(scenes: Path) -> None:
     picture = overview(loaded)
     side = 24 + 2 * gallery.GAP
     assert picture.shape == (4 * side, 2 * side, 3)
-    red = (picture[3 * side :] == gallery.WRONG).all(axis=-1)
+    red = (picture[3 * side :] == CLASS_COLOURS["wrong face"]).all(axis=-1)
     assert not red[:, :side].any() and red[:, side:].any()
