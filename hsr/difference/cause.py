@@ -112,13 +112,8 @@ def causes_by(
     _check(view, answer, truth)
     samples = np.flatnonzero(~truth.admits(answer.face))
     cause = np.zeros(answer.face.shape, dtype=np.uint8)
-    pipeline: Pipeline | None = method.load_pipeline() if method else None
-    if method is None or pipeline is None:
-        cause.ravel()[samples] = Cause.UNEXPLAINED
-        return Causes(answer.method, cause, None)
-    chosen = method.options(**options)
-    cause.ravel()[samples] = _traced(view, answer, pipeline, chosen, samples)
-    return Causes(answer.method, cause, _reproduced(view, answer, pipeline, chosen))
+    cause.ravel()[samples] = causes_at(method, view, samples, answer.face.ravel()[samples], **options)
+    return Causes(answer.method, cause, _reproduced(method, view, answer, options))
 
 
 def _check(view: View, answer: VisibilityMap, truth: VisibilityMap) -> None:
@@ -132,25 +127,42 @@ def _check(view: View, answer: VisibilityMap, truth: VisibilityMap) -> None:
         raise MapError(f"truth: a map by {truth.method} does not say who may own ties; render it by 'exact'")
 
 
-def _traced(view: View, answer: VisibilityMap, pipeline: Pipeline, options: Any, samples: Array) -> Pixels:
-    """Go from the deepest model towards the truth, as long as the models show what the method shows."""
-    shown = answer.face.ravel()[samples]
+def causes_at(method: Method | None, view: View, samples: Array, shown: Array, **options: Any) -> Pixels:
+    """Say at which stage a method went wrong at samples (n,) that show faces (n,) not admissible there.
+
+    From the deepest model towards the truth, as long as the models show what the method shows.
+    """
     cause = np.full(len(samples), Cause.UNEXPLAINED, dtype=np.uint8)
+    pipeline, chosen = _modelled(method, options)
+    if pipeline is None:
+        return cause
     alike = np.arange(len(samples))
     for stage in reversed(pipeline.stages):
         untouched = stage.cause == Cause.TESSELLATION and not view.curved
         if untouched or not len(alike):
             break
-        alike = alike[stage.faces(view, options, samples[alike]) == shown[alike]]
+        alike = alike[stage.faces(view, chosen, samples[alike]) == shown[alike]]
         cause[alike] = stage.cause
     if len(samples) and view.curved and pipeline.stages[0].cause == Cause.TESSELLATION:
         # Who may own a tie of the tessellated view is wrong by the tessellation alone.
-        cause[tessellated_truth(view).admits(answer.face).ravel()[samples]] = Cause.TESSELLATION
+        truth = tessellated_truth(view)
+        face = truth.face.copy()
+        face.ravel()[samples] = shown
+        cause[truth.admits(face).ravel()[samples]] = Cause.TESSELLATION
     return cause
 
 
-def _reproduced(view: View, answer: VisibilityMap, pipeline: Pipeline, options: Any) -> bool | None:
-    if pipeline.whole is None:
+def _modelled(method: Method | None, options: dict[str, Any]) -> tuple[Pipeline | None, Any]:
+    """Return the models of a method, if it has some, and the options with which it ran."""
+    pipeline = method.load_pipeline() if method else None
+    return pipeline, method.options(**options) if method and pipeline else None
+
+
+def _reproduced(
+    method: Method | None, view: View, answer: VisibilityMap, options: dict[str, Any]
+) -> bool | None:
+    pipeline, chosen = _modelled(method, options)
+    if pipeline is None or pipeline.whole is None:
         return None
-    face, depth = pipeline.whole(view, options)
+    face, depth = pipeline.whole(view, chosen)
     return np.array_equal(face, answer.face) and np.array_equal(depth, answer.depth)

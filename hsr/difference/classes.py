@@ -12,7 +12,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy import ndimage
 
 from hsr.base.arrays import Array, Bools, Floats, Ints, Pixels
 from hsr.base.errors import MapError
@@ -243,13 +242,7 @@ class Difference:
             "cluster_count": len(self.clusters),
             "largest_cluster": self.largest,
             "clusters": [self._cluster_json(cluster) for cluster in self.clusters[:LISTED_JSON]],
-            "depth": {
-                "samples": self.depth.samples,
-                "max": self.depth.max,
-                "mean": self.depth.mean,
-                "rms": self.depth.rms,
-                "where": self.depth.where and list(self.depth.where),
-            },
+            "depth": vars(self.depth) | {"where": self.depth.where and list(self.depth.where)},
             "truth": verdict and vars(verdict),
         }
 
@@ -434,27 +427,34 @@ def find_clusters(differs: Bools, classes: Pixels, shown: Ints, expected: Ints) 
     tuple of Cluster
         Largest first, equal ones in reading order.
     """
-    labels, count = ndimage.label(differs, structure=np.ones((3, 3)))
     samples = np.flatnonzero(differs)
-    label = labels.ravel()[samples] - 1
-    tally = np.zeros((count, len(SampleClass)), dtype=np.int64)
-    np.add.at(tally, (label, classes.ravel()[samples]), 1)
-    first = samples[np.unique(label, return_index=True)[1]]
+    if not len(samples):
+        return ()
+    from skimage.measure import label  # slow to import, and most maps that are compared do not differ
 
-    def cluster(k: int) -> Cluster:
-        rows, columns = boxes[k]
-        row, column = divmod(int(first[k]), differs.shape[1])
-        return Cluster(
-            int(tally[k].sum()),
-            (rows.start, columns.start, rows.stop, columns.stop),
-            SampleClass(int(tally[k].argmax())),
-            (row, column),
-            int(shown[row, column]),
-            int(expected[row, column]),
+    labels = label(differs, connectivity=2).ravel()[samples] - 1
+    tally = np.zeros((labels.max() + 1, len(SampleClass)), dtype=np.int64)
+    np.add.at(tally, (labels, classes.ravel()[samples]), 1)
+    # Sorted by cluster, and within it in reading order.
+    order = np.argsort(labels, kind="stable")
+    start = np.flatnonzero(np.diff(labels[order], prepend=-1))
+    rows, columns = np.divmod(samples[order], differs.shape[1])
+    low = [np.minimum.reduceat(axis, start) for axis in (rows, columns)]
+    high = [np.maximum.reduceat(axis, start) + 1 for axis in (rows, columns)]
+    box = np.stack([*low, *high], axis=1).tolist()
+    first = list(zip(rows[start].tolist(), columns[start].tolist(), strict=True))
+    size, kind = tally.sum(axis=1), tally.argmax(axis=1).tolist()
+    return tuple(
+        Cluster(
+            int(size[k]),
+            tuple(box[k]),
+            SampleClass(kind[k]),
+            first[k],
+            int(shown[first[k]]),
+            int(expected[first[k]]),
         )
-
-    boxes = ndimage.find_objects(labels)
-    return tuple(sorted(map(cluster, range(count)), key=lambda found: (-found.size, found.sample)))
+        for k in np.argsort(-size, kind="stable").tolist()
+    )
 
 
 def _count_near(differs: Bools, shown: Ints, expected: Ints) -> int:

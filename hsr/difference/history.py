@@ -11,13 +11,14 @@ from typing import Any
 
 import numpy as np
 
+from hsr.algorithms.registry import methods
 from hsr.base.errors import MapError
-from hsr.difference.cause import Causes, causes
-from hsr.difference.nearby import Nearby, check_sample, nearby
+from hsr.difference.cause import Causes, causes_at
+from hsr.difference.nearby import check_sample, nearby
 from hsr.difference.sightline import EDGE_ON, Layer, Sight, sights
 from hsr.models.llvmpipe.driver import LLVMPIPE, Drawing, Drawn
 from hsr.models.stages import Cause
-from hsr.problem.map import BACKGROUND, Admissible, VisibilityMap, name_in
+from hsr.problem.map import BACKGROUND, VisibilityMap, name_in
 from hsr.problem.view import View
 
 LEVELS = 2**24 - 1
@@ -307,6 +308,7 @@ class Historian:
             _check(view, answer)
         self.view, self.maps, self.known = view, maps, known or {}
         self.near = nearby(view, np.array(samples))
+        self.number = {face: k for k, face in enumerate(self.near.origin.tolist())} | {BACKGROUND: BACKGROUND}
         self.sights = sights(self.near)
         self.name = cache(partial(name_in, view.manifest))
         self.cause = cache(self._cause)
@@ -353,7 +355,16 @@ class Historian:
             return Cause.NONE
         if answer.method in self.known:
             return Cause(int(self.known[answer.method].cause.flat[sample]))
-        return cause_of(self.view, self.near, sample, seen, answer)
+        # The models are asked about the faces near the sample first, which is quick; about the whole view
+        # where that explains nothing, as when triangles elsewhere have a say.
+        shown = int(answer.face.flat[sample])
+        asked = [(self.view, shown)]
+        if self.near.view.placements and shown in self.number:
+            asked.insert(0, (self.near.view, self.number[shown]))
+        method, here = methods().get(answer.method), np.array([sample])
+        found = (causes_at(method, view, here, np.array([face])) for view, face in asked)
+        explained = (Cause(int(cause[0])) for cause in found if cause[0] != Cause.UNEXPLAINED)
+        return next(explained, Cause.UNEXPLAINED)
 
 
 def _check(view: View, answer: VisibilityMap) -> None:
@@ -434,24 +445,17 @@ class _Telling:
         """Say whether the method is right, and if not, why."""
         right = self.face in self.sight.admissible
         cause = self.historian.cause(self.sample, self.answer)
-        label = "" if right else cause.label
-        sentence = self._right() if right else self._wrong(cause)
-        method, name = self.answer.method, self.name(self.face)
+        method, name, label = self.answer.method, self.name(self.face), "" if right else cause.label
+        if right:
+            sentence = f"{method} is right: it shows {name}{self._tie()}."
+        else:
+            because = f"because {self._reason(cause)} ({label}); exactly, {self._truth()}"
+            sentence = f"{method} shows {name} {because}."
         return Story(method, self.face, name, self.depth, right, label, sentence)
 
-    def _right(self) -> str:
-        tie = (
-            ""
-            if len(self.sight.admissible) == 1
-            else f", one of {len(self.sight.admissible)} that may own it"
-        )
-        return f"{self.answer.method} is right: it shows {self.name(self.face)}{tie}."
-
-    def _wrong(self, cause: Cause) -> str:
-        return (
-            f"{self.answer.method} shows {self.name(self.face)} because {self._reason(cause)} "
-            f"({cause.label}); exactly, {self._truth()}."
-        )
+    def _tie(self) -> str:
+        number = len(self.sight.admissible)
+        return f", one of {number} that may own it" if number > 1 else ""
 
     def _truth(self) -> str:
         """Say by what numbers the owner owns the sample, and the face shown does not."""
@@ -511,39 +515,3 @@ def _inside(distance: float) -> str:
     if distance == 0.0:
         return "on an edge of"
     return f"{abs(distance):.3g} px {'inside' if distance > 0 else 'outside'}"
-
-
-# ---------------------------------------------------------------- causes
-
-
-def cause_of(view: View, near: Nearby, sample: int, seen: Sight, answer: VisibilityMap) -> Cause:
-    """Find the stage of its pipeline at which a method goes wrong at one sample.
-
-    The models are asked about the faces near the sample first, which is quick; about the whole view
-    where that explains nothing, as when triangles elsewhere have a say.
-    """
-    number = {face: k for k, face in enumerate(near.origin.tolist())} | {BACKGROUND: BACKGROUND}
-    shown = int(answer.face.flat[sample])
-    if near.view.placements and shown in number:
-        truth = [number[seen.owner], *(number[face] for face in seen.admissible)]
-        cause = _caused(near.view, sample, answer.method, number[shown], truth)
-        if cause != Cause.UNEXPLAINED:
-            return cause
-    return _caused(view, sample, answer.method, shown, [seen.owner, *seen.admissible])
-
-
-def _caused(view: View, sample: int, method: str, shown: int, truth: Sequence[int]) -> Cause:
-    """Ask for the cause at one sample, as if the maps were empty elsewhere."""
-    faces = np.array(sorted(set(truth)), dtype=np.int32)
-    tied = Admissible(np.array([sample]), np.array([0, len(faces)]), faces)
-    found = causes(view, _dotted(view, sample, method, shown), _dotted(view, sample, "exact", truth[0], tied))
-    return Cause(int(found.cause.flat[sample]))
-
-
-def _dotted(
-    view: View, sample: int, method: str, face: int, admissible: Admissible | None = None
-) -> VisibilityMap:
-    """Return a map that shows one face at one sample."""
-    faces = np.full((view.height, view.width), BACKGROUND, dtype=np.int32)
-    faces.ravel()[sample] = face
-    return VisibilityMap(faces, np.full(faces.shape, np.inf), method, admissible=admissible)
