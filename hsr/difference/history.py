@@ -14,8 +14,8 @@ import numpy as np
 from hsr.algorithms.registry import methods
 from hsr.base.errors import MapError
 from hsr.difference.cause import Causes, causes_at
-from hsr.difference.nearby import check_sample, nearby
-from hsr.difference.sightline import EDGE_ON, Layer, Sight, sights
+from hsr.difference.nearby import check_sample, faces_nearby
+from hsr.difference.sightline import EDGE_ON, Layer, Sightline, sightlines
 from hsr.models.llvmpipe.driver import LLVMPIPE, Drawing, Drawn
 from hsr.models.stages import Cause
 from hsr.problem.map import BACKGROUND, VisibilityMap, name_in
@@ -307,15 +307,16 @@ class Historian:
         for answer in maps:
             _check(view, answer)
         self.view, self.maps, self.known = view, maps, known or {}
-        self.near = nearby(view, np.array(samples))
-        self.number = {face: k for k, face in enumerate(self.near.origin.tolist())} | {BACKGROUND: BACKGROUND}
-        self.sights = sights(self.near)
+        self.nearby = faces_nearby(view, np.array(samples))
+        faces = [BACKGROUND, *self.nearby.origin.tolist()]
+        self.number = {face: k for k, face in enumerate(faces, start=BACKGROUND)}
+        self.sightlines = sightlines(self.nearby)
         self.name = cache(partial(name_in, view.manifest))
         self.cause = cache(self._cause)
 
     def tell(self, sample: int) -> History:
         """Tell the history of one of the samples."""
-        seen = self.sights[sample]
+        seen = self.sightlines[sample]
         told = [_Telling(self, sample, seen, answer) for answer in self.maps]
         speakers = {telling.shows: telling for telling in told}
 
@@ -339,18 +340,18 @@ class Historian:
         return None if layer.depth is None else window_depth(self.view, layer.depth)
 
     @cached_property
-    def tessellated(self) -> dict[int, Sight]:
+    def tessellated(self) -> dict[int, Sightline]:
         """What is on the lines of sight where polygons stand for curved shapes, and matter."""
         matter = [
             sample
-            for sample in self.sights
+            for sample in self.sightlines
             if any(self.cause(sample, answer) == Cause.TESSELLATION for answer in self.maps)
         ]
-        return sights(nearby(self.view.tessellated(), np.array(matter)))
+        return sightlines(faces_nearby(self.view.tessellated(), np.array(matter)))
 
     def _cause(self, sample: int, answer: VisibilityMap) -> Cause:
         """Return the stage at which a method goes wrong at a sample, if it does."""
-        seen = self.sights[sample]
+        seen = self.sightlines[sample]
         if int(answer.face.flat[sample]) in seen.admissible:
             return Cause.NONE
         if answer.method in self.known:
@@ -359,8 +360,8 @@ class Historian:
         # where that explains nothing, as when triangles elsewhere have a say.
         shown = int(answer.face.flat[sample])
         asked = [(self.view, shown)]
-        if self.near.view.placements and shown in self.number:
-            asked.insert(0, (self.near.view, self.number[shown]))
+        if self.nearby.view.placements and shown in self.number:
+            asked.insert(0, (self.nearby.view, self.number[shown]))
         method, here = methods().get(answer.method), np.array([sample])
         found = (causes_at(method, view, here, np.array([face])) for view, face in asked)
         explained = (Cause(int(cause[0])) for cause in found if cause[0] != Cause.UNEXPLAINED)
@@ -397,12 +398,14 @@ class _Telling:
     Methods of which ``shows`` is the same give the same verdicts.
     """
 
-    def __init__(self, historian: Historian, sample: int, sight: Sight, answer: VisibilityMap) -> None:
-        self.historian, self.sample, self.sight, self.answer = historian, sample, sight, answer
+    def __init__(
+        self, historian: Historian, sample: int, sightline: Sightline, answer: VisibilityMap
+    ) -> None:
+        self.historian, self.sample, self.sightline, self.answer = historian, sample, sightline, answer
         self.name = historian.name
         self.face = int(answer.face.flat[sample])
         self.depth = float(answer.depth.flat[sample])
-        self.shown = sight.of(self.face)
+        self.shown = sightline.of(self.face)
         self.modelled = DRIVER in answer.notes.get("driver", "")
         exact = self.shown is not None and self.shown.covered
         self.shows = self.face, None if exact else self.depth, self.modelled
@@ -411,8 +414,8 @@ class _Telling:
         """Say what became of one face."""
         if layer is self.shown:
             return "won"
-        first = layer is self.sight.of(layer.face) and layer.face != self.face
-        if first and {self.face, layer.face} <= self.sight.admissible:
+        first = layer is self.sightline.of(layer.face) and layer.face != self.face
+        if first and {self.face, layer.face} <= self.sightline.admissible:
             return "tie"
         if layer.removed:
             return GONE[layer.removed]
@@ -443,7 +446,7 @@ class _Telling:
 
     def story(self) -> Story:
         """Say whether the method is right, and if not, why."""
-        right = self.face in self.sight.admissible
+        right = self.face in self.sightline.admissible
         cause = self.historian.cause(self.sample, self.answer)
         method, name, label = self.answer.method, self.name(self.face), "" if right else cause.label
         if right:
@@ -454,12 +457,12 @@ class _Telling:
         return Story(method, self.face, name, self.depth, right, label, sentence)
 
     def _tie(self) -> str:
-        number = len(self.sight.admissible)
+        number = len(self.sightline.admissible)
         return f", one of {number} that may own it" if number > 1 else ""
 
     def _truth(self) -> str:
         """Say by what numbers the owner owns the sample, and the face shown does not."""
-        shown, owner = self.shown, self.sight.of(self.sight.owner)
+        shown, owner = self.shown, self.sightline.of(self.sightline.owner)
         owns = "nothing covers it" if owner is None else f"{self.name(owner.face)} owns it"
         if shown is not None and shown.removed:
             return f"it is {GONE[shown.removed]}, and {owns}"
@@ -479,9 +482,9 @@ class _Telling:
 
     def _reason(self, cause: Cause) -> str:
         """Say what went wrong, by the numbers of the method's own model if it has some."""
-        shown, owner = self.drawn(self.face), self.drawn(self.sight.owner)
+        shown, owner = self.drawn(self.face), self.drawn(self.sightline.owner)
         exact = self.shown
-        name = self.name(self.sight.owner)
+        name = self.name(self.sightline.owner)
         if cause == Cause.TESSELLATION:
             return self._tessellated()
         if cause in (Cause.VERTEX_SNAPPING, Cause.FILL_RULE):
@@ -496,10 +499,10 @@ class _Telling:
 
     def _tessellated(self) -> str:
         """Say how the polygons lie that stand for the owner."""
-        name = self.name(self.sight.owner)
+        name = self.name(self.sightline.owner)
         polygons = f"the polygons of {self.historian.view.segments} sides that stand for "
         layers = self.historian.tessellated[self.sample].layers
-        own = [layer for layer in layers if layer.face == self.sight.owner and layer.edges]
+        own = [layer for layer in layers if layer.face == self.sightline.owner and layer.edges]
         if not own or any(layer.covered for layer in own):
             return f"{polygons}curved shapes lie elsewhere"
         missed = min(-layer.nearest_edge[1] for layer in own)

@@ -50,7 +50,7 @@ class Nearby:
     face: Ints
 
 
-def nearby(view: View, samples: Array) -> Nearby:
+def faces_nearby(view: View, samples: Array) -> Nearby:
     """Leave only the faces that come within a pixel of some samples, and perhaps a few more.
 
     Parameters

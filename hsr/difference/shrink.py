@@ -18,7 +18,7 @@ import numpy as np
 from hsr.algorithms.registry import render
 from hsr.base.arrays import Floats, Ints
 from hsr.base.errors import MethodError
-from hsr.difference.nearby import check_sample, nearby
+from hsr.difference.nearby import check_sample, faces_nearby
 from hsr.problem.map import BACKGROUND, name_in
 from hsr.problem.view import Placement, View, view
 from hsr.scene.gltf import unique
@@ -95,7 +95,7 @@ def shrink(
     bench = _Bench(scene, whole, (row, column), (a, b), camera)
     check_sample(whole, row, column)
     sample = np.array([row * whole.width + column])
-    near, everything = nearby(whole, sample).origin, np.arange(whole.faces, dtype=np.int32)
+    nearby, everything = faces_nearby(whole, sample).origin, np.arange(whole.faces, dtype=np.int32)
     shown = bench.shown(whole, everything)
     if shown[0] == shown[1]:
         name = name_in(whole.manifest, shown[0])
@@ -105,7 +105,7 @@ def shrink(
         small, origin = bench.scene_of(parts)
         return bench.shown(bench.view_of(small), origin) == shown
 
-    starts = [bench.parts(near, True), bench.parts(near, False)]
+    starts = [bench.parts(nearby, True), bench.parts(nearby, False)]
     parts = next(filter(as_before, filter(None, starts)), bench.parts(everything, False))
     least, origin = bench.scene_of(minimised(parts, as_before))
     faces = tuple(name_in(whole.manifest, int(face)) for face in origin)

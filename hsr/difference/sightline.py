@@ -19,7 +19,7 @@ from itertools import chain, pairwise
 import numpy as np
 
 from hsr.base.arrays import Array, Bools, Ints, ranges
-from hsr.difference.nearby import REACH, Nearby, check_sample, nearby
+from hsr.difference.nearby import REACH, Nearby, check_sample, faces_nearby
 from hsr.exact.decide import Form, Piece
 from hsr.exact.depths import depth_quotient
 from hsr.exact.infinitesimals import Polynomial, at, beside, coefficients
@@ -75,7 +75,7 @@ class Layer:
 
 
 @dataclass(frozen=True)
-class Sight:
+class Sightline:
     """What is on the line of sight of a sample.
 
     Attributes
@@ -105,7 +105,7 @@ class Sight:
         return first
 
 
-def sight(view: View, row: int, column: int) -> Sight:
+def sightline(view: View, row: int, column: int) -> Sightline:
     """Look along the line of sight of a sample.
 
     Parameters
@@ -116,7 +116,7 @@ def sight(view: View, row: int, column: int) -> Sight:
 
     Returns
     -------
-    Sight
+    Sightline
 
     Raises
     ------
@@ -125,15 +125,15 @@ def sight(view: View, row: int, column: int) -> Sight:
     """
     check_sample(view, row, column)
     sample = row * view.width + column
-    return sights(nearby(view, np.array([sample])))[sample]
+    return sightlines(faces_nearby(view, np.array([sample])))[sample]
 
 
-def sights(near: Nearby) -> dict[int, Sight]:
+def sightlines(nearby: Nearby) -> dict[int, Sightline]:
     """Look along the lines of sight of all the samples that faces are near.
 
     Returns
     -------
-    dict of int to Sight
+    dict of int to Sightline
         By the number of the sample; faces are those of the whole view.
 
     Raises
@@ -141,14 +141,14 @@ def sights(near: Nearby) -> dict[int, Sight]:
     ViewError
         If the view has no exact answer.
     """
-    lines, name = _Lines.of(near.view), [*near.origin.tolist(), BACKGROUND]
-    found: dict[int, list[Layer]] = {sample: [] for sample in near.samples.tolist()}
-    for sample, layer in chain(_flat_layers(near, lines), _curved_layers(near, lines)):
+    lines, name = _Lines.of(nearby.view), [*nearby.origin.tolist(), BACKGROUND]
+    found: dict[int, list[Layer]] = {sample: [] for sample in nearby.samples.tolist()}
+    for sample, layer in chain(_flat_layers(nearby, lines), _curved_layers(nearby, lines)):
         found[sample].append(layer)
     told = {}
-    for sample, (owner, admissible) in answers(near.view, near.samples).items():
+    for sample, (owner, admissible) in answers(nearby.view, nearby.samples).items():
         layers = tuple(sorted(found[sample], key=_order))
-        told[sample] = Sight(name[owner], frozenset(name[face] for face in admissible), layers)
+        told[sample] = Sightline(name[owner], frozenset(name[face] for face in admissible), layers)
     return told
 
 
@@ -299,13 +299,13 @@ def _edges(placement: Placement, frame: Frame) -> tuple[Array, Array, Array]:
     return inward[kept], turn, np.where(turn != 0, sides, 0)
 
 
-def _flat_layers(near: Nearby, lines: _Lines) -> Iterator[tuple[int, Layer]]:
+def _flat_layers(nearby: Nearby, lines: _Lines) -> Iterator[tuple[int, Layer]]:
     """Yield the samples and the planar faces that cover them, or miss them by less than a pixel."""
-    outlines = _Outlines.of(near.view, lines.frame)
-    polygon = np.searchsorted(outlines.face, near.face)
-    edges = outlines.distances(polygon, near.sample, lines)
-    pairs = zip(near.sample.tolist(), near.face.tolist(), polygon.tolist(), edges, strict=True)
-    met = _met(near, lines)
+    outlines = _Outlines.of(nearby.view, lines.frame)
+    polygon = np.searchsorted(outlines.face, nearby.face)
+    edges = outlines.distances(polygon, nearby.sample, lines)
+    pairs = zip(nearby.sample.tolist(), nearby.face.tolist(), polygon.tolist(), edges, strict=True)
+    met = _met(nearby, lines)
     for pair, (sample, face, k, distances) in enumerate(pairs):
         depth, clipped = met.get(pair, (None, ""))
         if depth is None and min(distances, default=0.0) <= -REACH:
@@ -313,18 +313,18 @@ def _flat_layers(near: Nearby, lines: _Lines) -> Iterator[tuple[int, Layer]]:
         facing = outlines.facing[k]
         removed = "culled" if facing == outlines.culls[k] else clipped
         named = {f"edge {n}": distance for n, distance in enumerate(distances)}
-        yield sample, Layer(int(near.origin[face]), facing, named, depth, removed)
+        yield sample, Layer(int(nearby.origin[face]), facing, named, depth, removed)
 
 
-def _met(near: Nearby, lines: _Lines) -> dict[int, tuple[Fraction, str]]:
+def _met(nearby: Nearby, lines: _Lines) -> dict[int, tuple[Fraction, str]]:
     """Tell of the pairs whose face covers the sample how deep it lies, and what clips it."""
     triangles = triangles_of(lines.opened, lines.frame)
-    pair, triangle = _triangles_of(triangles, near.face)
-    half, at = triangles.half[triangle], lines.at(near.sample[pair])
+    pair, triangle = _triangles_of(triangles, nearby.face)
+    half, at = triangles.half[triangle], lines.at(nearby.sample[pair])
     (inside,) = np.nonzero((_beside(half, _affine(half, *at)) >= 0).all(axis=1))
     pair, once = np.unique(pair[inside], return_index=True)
     zeta, det = triangles.zeta[triangle[inside[once]]], triangles.det[triangle[inside[once]]]
-    at = lines.at(near.sample[pair])
+    at = lines.at(nearby.sample[pair])
     clipped = np.full(len(pair), "", dtype=object)
     for name, limit in reversed([*lines.limits.items()]):
         form = on_planes(limit, zeta, det)[:, None]
@@ -350,18 +350,18 @@ def _beside(forms: Array, value: Array) -> Array:
 # ---------------------------------------------------------------- curved faces
 
 
-def _curved_layers(near: Nearby, lines: _Lines) -> Iterator[tuple[int, Layer]]:
+def _curved_layers(nearby: Nearby, lines: _Lines) -> Iterator[tuple[int, Layer]]:
     """Yield the samples and the sides of curved faces that cover them, or miss them by less than a pixel."""
-    i, j = lines.at(near.samples)
+    i, j = lines.at(nearby.samples)
     for facing, other in ((FRONT, "back"), (BACK, "front")):
-        for this in rounds_of(_opened(near.view, cull=other), lines.frame, 0):
+        for this in rounds_of(_opened(nearby.view, cull=other), lines.frame, 0):
             piece = this.piece
-            placement = near.view.placements[int(near.view.object_of(np.array(piece.face)))]
-            face = int(near.origin[piece.face])
+            placement = nearby.view.placements[int(nearby.view.object_of(np.array(piece.face)))]
+            face = int(nearby.origin[piece.face])
             for k in np.flatnonzero(_reached(piece.extent[0], i, j)):
                 layer = _layer(piece, face, facing, placement, lines, i[k], j[k])
                 if layer is not None:
-                    yield int(near.samples[k]), layer
+                    yield int(nearby.samples[k]), layer
 
 
 def _reached(bound: Polynomial, i: Array, j: Array) -> Bools:

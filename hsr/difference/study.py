@@ -152,19 +152,21 @@ def study(
             skipped[method.name] = str(error).removeprefix(f"{method.name}: ")
             if isinstance(error, UnavailableError):
                 missing.add(method.name)
+    truth = maps.get(reference)
+    others = {name: map for name, map in maps.items() if truth and name != reference}
     return Study(
         name or scene.title or "scene",
         scene,
         problem,
         camera or scene.camera[0].name,
         tuple(method.name for method in chosen),
-        reference if reference in maps else None,
+        reference if truth else None,
         maps,
         skipped,
         frozenset(missing),
         tuple(method.name for method in chosen if problem.curved and not method.curved),
-        _differences(maps, reference),
-        _causes(problem, maps, reference),
+        {name: compare(map, truth) for name, map in others.items() if truth},
+        {name: causes(problem, map, truth) for name, map in others.items() if truth and truth.admissible},
         _agreement(list(maps.values())),
     )
 
@@ -178,19 +180,6 @@ def _run(method: Method, problem: View, patient: bool) -> VisibilityMap:
         )
     method.warm_up(problem)
     return method.render(replace(problem))  # a fresh view: none profits from what another prepared
-
-
-def _differences(maps: dict[str, VisibilityMap], reference: str) -> dict[str, Difference]:
-    if reference not in maps:
-        return {}
-    return {name: compare(map, maps[reference]) for name, map in maps.items() if name != reference}
-
-
-def _causes(problem: View, maps: dict[str, VisibilityMap], reference: str) -> dict[str, Causes]:
-    if reference not in maps or maps[reference].admissible is None:
-        return {}
-    truth = maps[reference]
-    return {name: causes(problem, map, truth) for name, map in maps.items() if name != reference}
 
 
 def _agreement(maps: Sequence[VisibilityMap]) -> Array:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hsr.difference.nearby import nearby
+from hsr.difference.nearby import faces_nearby
 from hsr.problem.view import View, view
 
 THINGS: list[dict[str, Any]] = [
@@ -44,8 +44,8 @@ def screen_boxes(seen: View) -> list[tuple[int, Any]]:
 def test_pairs_are_those_of_boxes_a_pixel_wider(count: int, make_scene: Any) -> None:
     seen = view(make_scene(THINGS, eye=[0.3, 0.4, 4.0]), (40, 30))
     samples = np.sort(np.random.default_rng(count).permutation(1200)[:count])
-    near = nearby(seen, samples)
-    found = set(zip(near.sample.tolist(), near.origin[near.face].tolist(), strict=True))
+    nearby = faces_nearby(seen, samples)
+    found = set(zip(nearby.sample.tolist(), nearby.origin[nearby.face].tolist(), strict=True))
     expected = set()
     for face, places in screen_boxes(seen):
         for sample in samples.tolist():
@@ -53,14 +53,14 @@ def test_pairs_are_those_of_boxes_a_pixel_wider(count: int, make_scene: Any) -> 
             if places is None or ((places.min(1) <= spot.T + 1) & (places.max(1) >= spot.T - 1)).all():
                 expected.add((sample, face))
     assert found == expected
-    assert np.array_equal(near.samples, samples)
-    assert [placement.name for placement in near.view.placements if placement.shape.curved] == ["ball"]
+    assert np.array_equal(nearby.samples, samples)
+    assert [placement.name for placement in nearby.view.placements if placement.shape.curved] == ["ball"]
 
 
 def test_a_sample_has_the_same_faces_with_others_and_alone(make_scene: Any) -> None:
     seen = view(make_scene(THINGS, eye=[0.3, 0.4, 4.0]), (40, 30))
-    together = nearby(seen, np.arange(0, 1200, 7))
+    together = faces_nearby(seen, np.arange(0, 1200, 7))
     for sample in range(0, 1200, 70):
-        alone = nearby(seen, np.array([sample]))
+        alone = faces_nearby(seen, np.array([sample]))
         faces = together.origin[together.face[together.sample == sample]]
         assert faces.tolist() == alone.origin[alone.face].tolist()

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from hsr.base.errors import ViewError
-from hsr.difference.nearby import check_sample, nearby
-from hsr.difference.sightline import _form_distance, pixels_to_zero, sight, sights
+from hsr.difference.nearby import check_sample, faces_nearby
+from hsr.difference.sightline import _form_distance, pixels_to_zero, sightline, sightlines
 from hsr.exact.decide import Piece
 from hsr.exact.infinitesimals import NOTHING, I, J, Surd, constant
 from hsr.exact.oracle import truth
@@ -47,7 +47,7 @@ def test_the_owner_is_that_of_the_whole_image(camera: dict[str, Any], make_scene
     seen = view(make_scene(CROWD, **camera), (40, 30))
     whole = truth(seen)
     for row, column in np.random.default_rng(0).integers(0, [30, 40], (60, 2)).tolist():
-        here = sight(seen, row, column)
+        here = sightline(seen, row, column)
         assert here.owner == whole.face[row, column]
         assert here.admissible == (whole.admissible.faces(row * 40 + column) or {here.owner})
         if here.owner >= 0:
@@ -58,9 +58,9 @@ def test_the_owner_is_that_of_the_whole_image(camera: dict[str, Any], make_scene
 
 def test_nearby_keeps_every_face_the_sample_shows(make_scene: Any) -> None:
     seen = view(make_scene(CROWD, eye=[0.3, 0.4, 4.0]), (40, 30))
-    near = nearby(seen, np.array([15 * 40 + 20]))
-    assert near.view.faces == len(near.origin) < seen.faces
-    assert sight(near.view, 15, 20).owner == near.origin.tolist().index(sight(seen, 15, 20).owner)
+    nearby = faces_nearby(seen, np.array([15 * 40 + 20]))
+    assert nearby.view.faces == len(nearby.origin) < seen.faces
+    assert sightline(nearby.view, 15, 20).owner == nearby.origin.tolist().index(sightline(seen, 15, 20).owner)
 
 
 def test_distances_facing_and_order(make_scene: Any) -> None:
@@ -69,7 +69,7 @@ def test_distances_facing_and_order(make_scene: Any) -> None:
     back = mesh((-2.0, 0.25, -2.0), (-2.0, 4.0, -2.0), (2.0, 0.25, -2.0), name="back")
     missing = mesh((-2.0, 1.25, 3.0), (2.0, 1.25, 3.0), (0.0, 4.0, 3.0), name="missing")
     seen = triangle_view(make_scene, back, missing, front)
-    layers = sight(seen, 3, 3).layers
+    layers = sightline(seen, 3, 3).layers
     assert [layer.face for layer in layers] == [2, 0, 1]
     assert [layer.facing for layer in layers] == ["front", "back", "front"]
     assert [layer.depth for layer in layers] == [Fraction(9), Fraction(12), None]
@@ -80,7 +80,7 @@ def test_distances_facing_and_order(make_scene: Any) -> None:
 
 def test_more_than_a_pixel_away_is_not_told(make_scene: Any) -> None:
     seen = triangle_view(make_scene, mesh((-2.0, 1.5, 3.0), (2.0, 1.5, 3.0), (0.0, 4.0, 3.0)))
-    assert sight(seen, 3, 3).layers == ()
+    assert sightline(seen, 3, 3).layers == ()
 
 
 @pytest.mark.parametrize(
@@ -91,7 +91,7 @@ def test_what_is_culled_or_clipped_is_told(
     keys: dict[str, Any], z: float, removed: str, make_scene: Any
 ) -> None:
     seen = triangle_view(make_scene, mesh((-2.0, 0.0, z), (2.0, 0.0, z), (-2.0, 4.0, z), **keys))
-    here = sight(seen, 3, 3)
+    here = sightline(seen, 3, 3)
     (layer,) = here.layers
     assert layer.covered and layer.removed == removed
     assert here.owner == (-1 if removed else 0)
@@ -100,7 +100,7 @@ def test_what_is_culled_or_clipped_is_told(
 def test_both_sides_of_a_sphere_and_its_outline(make_scene: Any) -> None:
     ball = {"shape": "sphere", "name": "ball", "transform": [{"scale": 2.0}, {"translate": [-0.5, 0.5, 0.0]}]}
     seen = triangle_view(make_scene, ball)
-    front, back = sight(seen, 3, 4).layers  # one unit to the right of the middle
+    front, back = sightline(seen, 3, 4).layers  # one unit to the right of the middle
     assert (front.facing, back.facing) == ("front", "back")
     assert [float(layer.depth or 0) for layer in (front, back)] == pytest.approx([10 - 3**0.5, 10 + 3**0.5])
     # To first order: (r^2 - x^2) / 2 x, with r = 2 and x = 1.
@@ -111,16 +111,16 @@ def test_the_rims_of_a_cylinder(make_scene: Any) -> None:
     can = {"shape": "cylinder", "name": "can", "transform": [{"rotate_x": -90.0}, {"scale": [2.0, 3.0, 2.0]}]}
     # Its side is seen from y = 0 to y = 3; row 2 is at y = 1.5, row 4 at y = -0.5.
     seen = triangle_view(make_scene, can)
-    side = sight(seen, 2, 3).of(0)
+    side = sightline(seen, 2, 3).of(0)
     assert side is not None and side.edges["base rim"] == pytest.approx(1.5)
     assert side.edges["cap rim"] == pytest.approx(1.5)
-    below = sight(seen, 4, 3).of(0)
+    below = sightline(seen, 4, 3).of(0)
     assert below is not None and not below.covered and below.nearest_edge == ("base rim", pytest.approx(-0.5))
 
 
 def test_edge_on_faces_are_told_and_cover_nothing(make_scene: Any) -> None:
     seen = triangle_view(make_scene, mesh((-2.0, 0.5, 0.0), (2.0, 0.5, 0.0), (0.0, 0.5, 3.0)))
-    (layer,) = sight(seen, 3, 3).layers
+    (layer,) = sightline(seen, 3, 3).layers
     assert layer.facing == "edge-on" and not layer.covered
 
 
@@ -128,7 +128,7 @@ def test_ties_are_told(make_scene: Any) -> None:
     # Both triangles have the sample on their common side.
     left = mesh((-0.5, -3.0, 0.0), (-0.5, 3.0, 0.0), (-3.0, 0.0, 0.0))
     right = mesh((-0.5, -3.0, 0.0), (3.0, 0.0, 0.0), (-0.5, 3.0, 0.0), name="right")
-    here = sight(triangle_view(make_scene, left, right), 3, 3)
+    here = sightline(triangle_view(make_scene, left, right), 3, 3)
     assert (here.owner, here.admissible) == (1, {0, 1})
 
 
@@ -149,13 +149,13 @@ def test_a_side_through_the_sample_belongs_to_what_is_below_and_to_the_right(
     one: list[Any], other: list[Any], make_scene: Any
 ) -> None:
     seen = triangle_view(make_scene, mesh(*one), mesh(*other, name="other"))
-    assert [layer.covered for layer in map(sight(seen, 3, 3).of, (0, 1)) if layer] == [False, True]
+    assert [layer.covered for layer in map(sightline(seen, 3, 3).of, (0, 1)) if layer] == [False, True]
 
 
 def agrees(seen: View) -> None:
     """Check some samples against the whole image."""
     whole = truth(seen)
-    for sample, found in sights(nearby(seen, np.arange(0, whole.face.size, 7))).items():
+    for sample, found in sightlines(faces_nearby(seen, np.arange(0, whole.face.size, 7))).items():
         owner = found.of(found.owner)
         assert found.owner == whole.face.flat[sample]
         assert found.owner == BACKGROUND or (owner is not None and owner.covered)
@@ -190,7 +190,7 @@ def test_values_far_from_zero_are_infinitely_far(value: int, square: int, distan
 
 
 def test_an_empty_line_of_sight(make_scene: Any) -> None:
-    here = sight(triangle_view(make_scene, mesh((2.0, 2.0, 0.0), (3.0, 2.0, 0.0), (2.0, 3.0, 0.0))), 7, 0)
+    here = sightline(triangle_view(make_scene, mesh((2.0, 2.0, 0.0), (3.0, 2.0, 0.0), (2.0, 3.0, 0.0))), 7, 0)
     assert (here.owner, here.admissible, here.layers) == (-1, {-1}, ())
 
 

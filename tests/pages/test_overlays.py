@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import hsr
-from hsr.difference.sightline import sight
+from hsr.difference.sightline import sightline
 from hsr.pages import overlays
 from hsr.pages.overlays import SMALLEST, Drawn
 from hsr.problem.view import View
@@ -49,7 +49,7 @@ def test_complexity_counts_what_lies_on_the_line_of_sight(
     ]
     view = seen_by(make_scene, *cubes, camera=camera, size=12)
     counted = [
-        sum(layer.covered and not layer.removed for layer in sight(view, row, column).layers)
+        sum(layer.covered and not layer.removed for layer in sightline(view, row, column).layers)
         for row in range(12)
         for column in range(12)
     ]
