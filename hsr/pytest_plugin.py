@@ -223,9 +223,8 @@ class _Gatherer:
         from hsr.testing.results import gather
 
         whole = [] if self._partial or session.shouldstop or session.shouldfail else self._whole_modules()
-        found = gather(self._results, self._config.rootpath, whole)
-        self._lines = found.lines
-        if found.overlooked and session.exitstatus == pytest.ExitCode.OK:
+        self._lines, overlooked = gather(self._results, self._config.rootpath, whole)
+        if overlooked and session.exitstatus == pytest.ExitCode.OK:
             session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:

@@ -20,7 +20,7 @@ import numpy as np
 from hsr.base.arrays import Floats, Ints
 from hsr.base.errors import ViewError
 from hsr.problem.geometry import CULL, Geometry, Placement, WorldPolygons, digest_of, geometry_of
-from hsr.scene.camera import Projection, projection_of
+from hsr.scene.camera import named_projection
 from hsr.scene.files import load
 from hsr.scene.model import Camera, Light, MatrixCamera, Orthographic, Perspective, Scene
 
@@ -226,7 +226,7 @@ def view(scene: Scene, size: tuple[int, int] = (512, 512), camera: str | Camera 
     """
     width, height = _checked_size(size)
     seen_by = _camera_named(scene, camera) if camera is None or isinstance(camera, str) else camera
-    projection, geometry = _projected(seen_by, width / height), geometry_of(scene)
+    projection, geometry = named_projection(seen_by, width / height), geometry_of(scene)
     if projection.mirrored:
         geometry = geometry.mirror_image
     return View(*projection, width, height, geometry, scene.segments, scene.light, scene.background)
@@ -248,10 +248,3 @@ def _camera_named(scene: Scene, name: str | None) -> Camera:
             return camera
     names = ", ".join(camera.name for camera in scene.camera)
     raise ViewError(f"no camera is named {name!r}; the scene has {names}")
-
-
-def _projected(camera: Camera, aspect: float) -> Projection:
-    try:
-        return projection_of(camera, aspect)
-    except ViewError as error:
-        raise ViewError(f"camera {camera.name!r}: {error}") from None

@@ -85,6 +85,14 @@ def projection_of(camera: Camera, aspect: float) -> Projection:
     return projection
 
 
+def named_projection(camera: Camera, aspect: float) -> Projection:
+    """Return the projection of a camera as :func:`projection_of`; a problem names the camera."""
+    try:
+        return projection_of(camera, aspect)
+    except ViewError as error:
+        raise ViewError(f"camera {camera.name!r}: {error}") from None
+
+
 def _projection(camera: Camera, aspect: float) -> Projection:
     if isinstance(camera, Perspective):
         return _perspective(camera, aspect)

@@ -10,8 +10,7 @@ from typing import Any, cast
 import numpy as np
 
 from hsr.base.arrays import Floats
-from hsr.base.errors import ViewError
-from hsr.scene.camera import Projection, eye_of, projection_of
+from hsr.scene.camera import Projection, eye_of, named_projection
 from hsr.scene.files import shape_of
 from hsr.scene.model import Camera, Object, Scene
 from hsr.scene.shapes import Kind, Polygons, Shape
@@ -43,7 +42,7 @@ def describe(scene: Scene, size: tuple[int, int] = (512, 512)) -> dict[str, Any]
     SceneError, ViewError
         If a shape or a camera cannot be used.
     """
-    projections = {camera.name: _projected(camera, size) for camera in scene.camera}
+    projections = {camera.name: named_projection(camera, size[0] / size[1]) for camera in scene.camera}
     # Objects often share a shape, and its surface takes longest.
     problem_of = cache(_surface_problem)
     objects = [_object(thing, scene, projections, problem_of) for thing in scene.object]
@@ -107,13 +106,6 @@ def _triple(values: list[float]) -> str:
 
 
 # ---------------------------------------------------------------- cameras
-
-
-def _projected(camera: Camera, size: tuple[int, int]) -> Projection:
-    try:
-        return projection_of(camera, size[0] / size[1])
-    except ViewError as error:
-        raise ViewError(f"camera {camera.name!r}: {error}") from None
 
 
 def _camera(camera: Camera, projection: Projection) -> dict[str, Any]:

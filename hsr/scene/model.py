@@ -168,12 +168,9 @@ def _unit(a: Sequence[float]) -> list[float]:
     return [x / length if length else 0.0 for x in a]
 
 
-def _cross(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float]:
-    return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )
+def _cross(a: Sequence[float], b: Sequence[float]) -> list[float]:
+    # Two places before k and one before it are, in a ring of three, the two that follow.
+    return [a[k - 2] * b[k - 1] - a[k - 1] * b[k - 2] for k in range(3)]
 
 
 class Perspective(Placed):

@@ -42,12 +42,12 @@ def apply(decisions: Path, results: Path, root: Path) -> list[str]:
     if made.get("run") != told.get("run"):
         raise CheckError(f"{decisions}: made of another run than {results}; name its results with --results")
     checks = {check["key"]: check for record in told["tests"] for check in record["checks"]}
-    planned = [
-        (_planned(decisions, key, choice, checks, root), choice) for key, choice in made["decisions"].items()
-    ]
-    maps = [load_map(results / check["shown"]) if choice != "reject" else None for check, choice in planned]
+    planned = []
+    for key, choice in made["decisions"].items():
+        check = _decided(decisions, key, choice, checks, root)
+        planned.append((check, choice, None if choice == "reject" else load_map(results / check["shown"])))
     lines = []
-    for (check, choice), map in zip(planned, maps, strict=True):
+    for check, choice, map in planned:
         file = root / check["baseline"]
         if map is None:
             lines.append(f"rejected: {check['baseline']} stays")
@@ -60,7 +60,7 @@ def apply(decisions: Path, results: Path, root: Path) -> list[str]:
     return lines
 
 
-def _planned(
+def _decided(
     decisions: Path, key: str, choice: str, checks: dict[str, dict[str, Any]], root: Path
 ) -> dict[str, Any]:
     """Return the check that a decision is about."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -20,23 +19,7 @@ MAX_SUMMARY = 900_000
 """Bytes of a summary: GitHub refuses step summaries of more than 1 MiB."""
 
 
-@dataclass(frozen=True)
-class Gathered:
-    """What the end of a run says.
-
-    Attributes
-    ----------
-    lines : list of str
-        For the terminal.
-    overlooked : bool
-        Whether a check was tried on planted mistakes, and let one pass.
-    """
-
-    lines: list[str]
-    overlooked: bool
-
-
-def gather(folder: Path, root: Path, whole: Sequence[Path]) -> Gathered:
+def gather(folder: Path, root: Path, whole: Sequence[Path]) -> tuple[list[str], bool]:
     """Write ``results.json``, ``report.html`` and ``summary.md`` from what the tests of a run recorded.
 
     Parameters
@@ -50,7 +33,10 @@ def gather(folder: Path, root: Path, whole: Sequence[Path]) -> Gathered:
 
     Returns
     -------
-    Gathered
+    list of str
+        Lines for the terminal.
+    bool
+        Whether a check was tried on planted mistakes, and let one pass.
 
     Raises
     ------
@@ -67,7 +53,7 @@ def gather(folder: Path, root: Path, whole: Sequence[Path]) -> Gathered:
     (folder / RESULTS).write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
     (folder / SUMMARY).write_text(_summary(checks, unused), encoding="utf-8")
     write_page([(test, vars(check)) for test, check in checks], run, unused, folder / PAGE)
-    return Gathered(list(_lines(checks, unused, folder)), any(check.lets_pass for _, check in checks))
+    return list(_lines(checks, unused, folder)), any(check.lets_pass for _, check in checks)
 
 
 def _unused(records: Sequence[dict[str, Any]], whole: Sequence[Path], root: Path) -> list[Path]:
