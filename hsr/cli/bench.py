@@ -60,7 +60,8 @@ def run(
     keep them busy for long, unless they are named. A method that is missing or fails keeps a row that says
     why.
     """
-    from hsr.lab.publish import table
+    from hsr.lab.publish import HEAD, RIGHT, table
+    from hsr.lab.results import case_title
     from hsr.lab.speed import PATIENCE
 
     sizes = [parse_size(text) for text in size or (["128"] if quick else ["512"])]
@@ -72,7 +73,7 @@ def run(
         print(found.to_json(), end="")
         return
     for rows in found.cases.values():
-        _print_case(rows, table(rows))
+        _print_table(HEAD, table(rows), RIGHT, case_title(rows))
     _print_conditions(found, quiet)
 
 
@@ -131,14 +132,6 @@ def _measured(
 
 def _note(text: str) -> None:
     typer.echo(text, err=True)
-
-
-def _print_case(rows: Any, cells: list[tuple[str, ...]]) -> None:
-    from hsr.lab.publish import HEAD, TABLE
-    from hsr.lab.results import case_title
-
-    right = ("rank", *(metric.title for metric in TABLE))
-    _print_table(HEAD, cells, right, case_title(rows))
 
 
 def _print_table(
@@ -218,34 +211,26 @@ def compare(
     """
     from dataclasses import asdict
 
-    from hsr.lab.regression import (
-        FAILURES,
-        HEAD,
-        LIMIT,
-        SLOWER,
-        changes,
-        limit_of,
-        warnings,
-    )
+    from hsr.lab import regression
     from hsr.lab.results import load_results
 
-    limit = LIMIT if fail is None else limit_of(fail)
+    limit = regression.LIMIT if fail is None else regression.limit_of(fail)
     if output is not None and output.suffix not in (".csv", ".md"):
         raise HsrError(f"{output}: changes are written as .csv or .md")
     check_folder(output)
     a, b = load_results(before), load_results(after)
-    found = changes(a, b, limit)
+    found, head = regression.changes(a, b, limit), regression.HEAD
     cells = [change.cells() for change in found]
     if output is not None:
-        _write_changes(output, HEAD, cells)
+        _write_changes(output, head, cells)
     if as_json:
         print_json({"hsr": 1, "limit": limit, "changes": [asdict(change) for change in found]})
     else:
-        _print_table(HEAD, cells, HEAD[1:6], f"{after} against {before}")
+        _print_table(head, cells, head[1:6], f"{after} against {before}")
     if not quiet:
-        for warning in warnings(a, b):
+        for warning in regression.warnings(a, b):
             _note(warning)
-    failing = FAILURES if fail is None else (*FAILURES, SLOWER)
+    failing = regression.FAILURES if fail is None else (*regression.FAILURES, regression.SLOWER)
     if any(change.verdict in failing for change in found):
         raise typer.Exit(DIFFERS)
 

@@ -158,22 +158,16 @@ def peak_memory() -> Iterator[Peak]:
     Freed memory that the allocator still holds is given back first, lest it hide what the block takes.
     """
     peak = Peak()
+    before: int | None = None
     with suppress(OSError, AttributeError):
         ctypes.CDLL(None).malloc_trim(0)
-    before = _resident("VmRSS") if _forget_peak() else None
+    with suppress(OSError):
+        CLEAR_REFS.write_text("5")  # Linux forgets how much was resident at most: proc(5), clear_refs
+        before = _resident("VmRSS")
     yield peak
     after = _resident("VmHWM")
     if before is not None and after is not None:
         peak.rise = max(after - before, 0)
-
-
-def _forget_peak() -> bool:
-    """Have Linux forget the process's highest resident memory (proc(5), ``clear_refs``)."""
-    try:
-        CLEAR_REFS.write_text("5")
-    except OSError:
-        return False
-    return True
 
 
 def _resident(field: str) -> int | None:

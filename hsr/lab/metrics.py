@@ -66,45 +66,33 @@ def _megabytes(count: int | None) -> Figure:
     return None if count is None else round(count / 1e6, 3)
 
 
-PREPARE = Metric("prepare", "ms", "preparing the arrays, uploading", _time("prepare"))
-BUILD = Metric("build", "ms", "building hierarchies", _time("build"))
-RENDER = Metric("render", "ms", "time to render", _time("render"))
-READ = Metric("read", "ms", "reading ids and depths back", _time("read"))
-TOTAL = Metric("total", "ms", "all stages of a turn", _time("total"))
-WARM_UP = Metric("warm-up", "ms", "first tiny picture: compiling, opening drivers", lambda row: row.warm_up)
-WRONG = Metric("wrong", "", "wrong samples", _judged(lambda verdict: verdict.wrong))
-TIES = Metric("ties", "", "ties shown otherwise, not wrong", _judged(lambda verdict: verdict.ties))
-CLUSTER = Metric("cluster", "", "largest cluster of wrong samples", _judged(lambda v: v.largest_cluster))
-DEPTH_MAX = Metric("depth max", "scene units", "largest depth error", _judged(lambda v: v.depth.max))
-DEPTH_MEDIAN = Metric("depth median", "scene units", "median depth error", _judged(lambda v: v.depth.median))
-ULP_MAX = Metric("depth max", "ulp", "largest depth error", _judged(lambda v: v.depth.max_ulp))
-ULP_MEDIAN = Metric("depth median", "ulp", "median depth error", _judged(lambda v: v.depth.median_ulp))
-PEAK = Metric("peak", "MB", "rise of resident memory", lambda row: _megabytes(row.peak_bytes))
-LOAD = Metric("foreign load", "processors", "kept busy by other programs", lambda row: row.foreign_load)
-YARDSTICK = Metric("yardstick", "ms", "a fixed piece of work, on one thread", lambda row: row.yardstick)
-BUFFERS = Metric("buffers", "MB", "ids and depths returned", lambda row: _megabytes(row.buffer_bytes))
+SPEED = Metric("render", "ms", "time to render", _time("render"))
+ERROR = Metric("wrong", "", "wrong samples", _judged(lambda verdict: verdict.wrong))
+"""The two by which methods are ranked and the chart is drawn."""
 
-STAGES = (PREPARE, BUILD, RENDER, READ)
+STAGES = (
+    Metric("prepare", "ms", "preparing the arrays, uploading", _time("prepare")),
+    Metric("build", "ms", "building hierarchies", _time("build")),
+    SPEED,
+    Metric("read", "ms", "reading ids and depths back", _time("read")),
+)
 METRICS: Sequence[Metric] = (
     *STAGES,
-    TOTAL,
-    WARM_UP,
-    WRONG,
-    TIES,
-    CLUSTER,
-    DEPTH_MAX,
-    DEPTH_MEDIAN,
-    ULP_MAX,
-    ULP_MEDIAN,
-    PEAK,
-    BUFFERS,
-    LOAD,
-    YARDSTICK,
+    Metric("total", "ms", "all stages of a turn", _time("total")),
+    Metric("warm-up", "ms", "first tiny picture: compiling, opening drivers", lambda row: row.warm_up),
+    ERROR,
+    Metric("ties", "", "ties shown otherwise, not wrong", _judged(lambda verdict: verdict.ties)),
+    Metric("cluster", "", "largest cluster of wrong samples", _judged(lambda v: v.largest_cluster)),
+    Metric("depth max", "scene units", "largest depth error", _judged(lambda v: v.depth.max)),
+    Metric("depth median", "scene units", "median depth error", _judged(lambda v: v.depth.median)),
+    Metric("depth max", "ulp", "largest depth error", _judged(lambda v: v.depth.max_ulp)),
+    Metric("depth median", "ulp", "median depth error", _judged(lambda v: v.depth.median_ulp)),
+    Metric("peak", "MB", "rise of resident memory", lambda row: _megabytes(row.peak_bytes)),
+    Metric("buffers", "MB", "ids and depths returned", lambda row: _megabytes(row.buffer_bytes)),
+    Metric("foreign load", "processors", "kept busy by other programs", lambda row: row.foreign_load),
+    Metric("yardstick", "ms", "a fixed piece of work, on one thread", lambda row: row.yardstick),
 )
 """All of them, in the order of tables."""
-
-SPEED, ERROR = RENDER, WRONG
-"""The two by which methods are ranked and the chart is drawn."""
 
 
 # ---------------------------------------------------------------- ranks

@@ -21,6 +21,9 @@ TABLE: Sequence[Metric] = (*STAGES, ERROR)
 HEAD = ("rank", "method", *(metric.title for metric in TABLE), "why", "dominated by")
 """The columns of a table."""
 
+RIGHT = ("rank", *(metric.title for metric in TABLE))
+"""Those of them that hold numbers."""
+
 NAMED = 2
 """How many methods a table names that dominate another."""
 
@@ -135,8 +138,7 @@ def to_markdown(results: Results) -> str:
 
 def case_markdown(rows: Sequence[Row]) -> str:
     """Return the title and the table of one case as Markdown."""
-    right = ("rank", *(metric.title for metric in TABLE))
-    return f"**{case_title(rows)}**\n\n{as_markdown(HEAD, table(rows), right)}"
+    return f"**{case_title(rows)}**\n\n{as_markdown(HEAD, table(rows), RIGHT)}"
 
 
 def _growth_markdown(results: Results) -> str:

@@ -72,16 +72,8 @@ class Change:
             return (self.row, "", "", "", "", "", self.verdict)
         before, after = self.wrong
         wrong = f"{after:,}" if before == after else f"{before:,} -> {after:,}"
-        band = f"{self.low:.3f} to {self.high:.3f}"
-        return (
-            self.row,
-            f"{self.before:.3f}",
-            f"{self.after:.3f}",
-            f"{self.ratio:.3f}",
-            band,
-            wrong,
-            self.verdict,
-        )
+        figures = (f"{figure:.3f}" for figure in (self.before, self.after, self.ratio))
+        return (self.row, *figures, f"{self.low:.3f} to {self.high:.3f}", wrong, self.verdict)
 
 
 def limit_of(text: str) -> float:

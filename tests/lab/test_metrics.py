@@ -4,20 +4,26 @@ from __future__ import annotations
 
 import pytest
 
-from hsr.lab.metrics import METRICS, PEAK, RENDER, TIES, WRONG, dominators, written
+from hsr.lab.metrics import ERROR, METRICS, SPEED, dominators, written
 from tests.lab.made_up import row
 
 
 def test_titles_differ_and_name_units() -> None:
     titles = [metric.title for metric in METRICS]
     assert len(set(titles)) == len(titles)
-    assert RENDER.title == "render [ms]" and WRONG.title == "wrong"
+    assert SPEED.title == "render [ms]" and ERROR.title == "wrong"
 
 
 def test_figures_of_a_row() -> None:
     made = row("zbuffer", [0.002] * 3, wrong=1234, peak_bytes=2_500_000)
-    assert (RENDER.of(made), WRONG.of(made), TIES.of(made), PEAK.of(made)) == (2.0, 1234, 1, 2.5)
-    assert WRONG.text(made) == "1,234"
+    figures = {metric.title: metric.of(made) for metric in METRICS}
+    assert (figures["render [ms]"], figures["wrong"], figures["ties"], figures["peak [MB]"]) == (
+        2.0,
+        1234,
+        1,
+        2.5,
+    )
+    assert ERROR.text(made) == "1,234"
     assert all(metric.of(row("lame", absent="cannot")) is None for metric in METRICS)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
@@ -121,11 +122,10 @@ class Row:
     @property
     def causes(self) -> dict[str, int]:
         """Wrong samples by cause, of those that were traced over the whole sweep."""
-        total: dict[str, int] = {}
+        total: Counter[str] = Counter()
         for point in self.points:
-            for cause, count in point.causes.items():
-                total[cause] = total.get(cause, 0) + count
-        return total
+            total.update(point.causes)
+        return dict(total)
 
     def to_json(self) -> dict[str, Any]:
         """Return the row as JSON values."""
