@@ -13,6 +13,7 @@ from hsr.testing.checks import (
     assert_same_visibility,
     assert_similar,
 )
+from hsr.testing.conformance import check_method
 from hsr.testing.converters import by_object, from_ids, from_nvdiffrast, from_open3d, from_png, from_pyrender
 
 __all__ = [
@@ -22,6 +23,7 @@ __all__ = [
     "assert_same_visibility",
     "assert_similar",
     "by_object",
+    "check_method",
     "from_ids",
     "from_nvdiffrast",
     "from_open3d",
