@@ -111,7 +111,7 @@ said what was tried.
 :func:`hsr.kernels.zbuffer.halfspaces.samples_between`
     Samples between two places, each off by an error: nothing more, for rounding is monotone and halves are
     float64.
-    No test of its own.
+    No test of its own; that of the extents of nodes passes without the error.
 :func:`hsr.kernels.zbuffer.key_buffer.gap_of`
     Keys whose depths may be equal differ by at most 2^64 tie + 2 (cut-off bits) + 2; a tie is at least
     2^-36 of the range of depth, and a key depth less certain than a tie is a doubt wherever its piece may
@@ -124,7 +124,7 @@ said what was tried.
 :func:`hsr.kernels.zbuffer.key_buffer.limits_of`
     Near and far count as edges, scaled so that an error of a tie is the bound of an edge.
     Test: ``test_a_depth_at_near_or_far_is_a_doubt`` in ``tests/kernels/zbuffer/test_key_buffer.py``.
-    Not weakened so far.
+    No teeth: the test asks at near and far themselves.
 :func:`hsr.kernels.zbuffer.key_buffer.span_of`
     Columns inside an edge: one sample more at either end.
     Test: ``test_spans_leave_out_only_what_is_outside`` in ``tests/kernels/zbuffer/test_key_buffer.py``.
@@ -175,7 +175,7 @@ said what was tried.
     The polynomial in the plane of an end: (2 |K v| + 2 size_l + |K| dv) dv + ``FEW`` of its terms.
     Test: ``test_certain_hits_are_what_is_seen_and_within_their_bounds`` in
     ``tests/kernels/raytiles/test_curved.py``.
-    Not weakened so far.
+    No teeth: without any bound the test still passes.
 :func:`hsr.kernels.raytiles.curved.key_hit`
     The key depth of a hit: the error of v, that of nearness, and 8 U (|Z0| + |v|); at least a tie.
     Test: ``test_certain_hits_are_what_is_seen_and_within_their_bounds`` in
