@@ -15,27 +15,27 @@ more tests at each sample.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from hsr.algorithms.prepare.behind_eye import loose_tables, loose_triangles
+from hsr.algorithms.prepare.behind_eye import crossing_tables, crossing_triangles
+from hsr.algorithms.prepare.doubts import decide, filled, format_of, numbers_of
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.jit import thread_count
-from hsr.certify import resolve
 from hsr.kernels import hierarchy
 from hsr.kernels.projection import clip_rows, to_clip
-from hsr.kernels.zbuffer import clusters, halfspaces, key_buffer, tiles
-from hsr.kernels.zbuffer.halfspaces import CLUSTER, SMALL, TABLE, Eye, U, nearness_at
+from hsr.kernels.zbuffer import facing, fill, setup, tiles
+from hsr.kernels.zbuffer.setup import CLUSTER, SMALL, TABLE, Eye, U
 from hsr.problem.geometry import Geometry
-from hsr.problem.map import Clock, VisibilityMap, depth_format
+from hsr.problem.map import Clock, VisibilityMap
 from hsr.problem.view import View
 from hsr.scene.shapes import Shape
 
 ROOM = 64
 """Doubts of a tile for which there is room at first; a tile with more is drawn again."""
 
-NO_DOUBTS, NO_TABLES = np.empty(0, key_buffer.DOUBT), np.empty((0, TABLE))
+NO_TABLES = np.empty((0, TABLE))
 
 
 @dataclass(frozen=True)
@@ -83,35 +83,35 @@ def render(view: View, options: Options) -> VisibilityMap:
     clock = Clock()
     with clock("prepare"):
         view = view.tessellated()
-        mesh = mesh_of(view)
+        clusters = clusters_of(view)
         # Touch the memory now: the first touch of a page takes longer than what is computed in it.
-        screen = np.full((mesh.vertices.shape[1], 4), 0.0)
+        screen = np.full((clusters.vertices.shape[1], 4), 0.0)
         face, depth = (
             np.full((view.height, view.width), -1, np.int32),
             np.full((view.height, view.width), np.inf),
         )
     with clock("render"):
         rows = clip_rows(view.clip_from_world, view.depth_row)
-        eye = eye_of(view, mesh, rows)
-        found, counts = draw(view, mesh, rows, eye, screen, options.certified, (face, depth))
-        resolved = resolve(view, found["sample"], mesh.number[_number(mesh, found)], found["sure"])
-        face.ravel()[resolved.sample], depth.ravel()[resolved.sample] = resolved.face, resolved.depth
+        eye = eye_of(view, clusters, rows)
+        found, counts = draw(view, clusters, rows, eye, screen, options.certified, (face, depth))
+        piece = clusters.number[numbers_of(found, len(clusters.corner))]
+        uncertain = decide(view, found, piece, (face, depth))
     work = {
-        "triangles": len(mesh.corner),
+        "triangles": len(clusters.corner),
         "clusters_drawn": int(counts[tiles.DRAWN]),
         "clusters_hidden": int(counts[tiles.HIDDEN]),
-        "triangles_drawn": int(counts[key_buffer.TRIANGLES]),
-        "uncertain": len(resolved.sample),
+        "triangles_drawn": int(counts[fill.TRIANGLES]),
+        "uncertain": uncertain,
         "buffer_bytes": face.nbytes + depth.nbytes,
     }
-    notes = {"depth_format": format_of(view, len(mesh.corner), eye)}
+    notes = {"depth_format": format_of(view, len(clusters.corner), eye)}
     return VisibilityMap(face, depth, "zbuffer", work, clock.seconds, notes)
 
 
 # ---------------------------------------------------------------- once a scene
 
 
-class Mesh(NamedTuple):
+class Clusters(NamedTuple):
     """Triangles in clusters, which are neighbours on a Morton curve.
 
     Attributes
@@ -148,15 +148,15 @@ class Mesh(NamedTuple):
     normals: tuple[Floats, Floats] | None
 
 
-def mesh_of(view: View) -> Mesh:
+def clusters_of(view: View) -> Clusters:
     """Put the triangles of a view without curved shapes in clusters, once a scene."""
     geometry = view.geometry
     every, faces = np.arange(len(geometry.polygons.triangle_vertex)), geometry.polygons.triangle_face
-    return geometry.once("zbuffer", lambda: clustered(geometry, every, faces))
+    return geometry.once("zbuffer", lambda: in_clusters(geometry, every, faces))
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def clustered(geometry: Geometry, chosen: Array, faces: Ints) -> Mesh:
+def in_clusters(geometry: Geometry, chosen: Array, faces: Ints) -> Clusters:
     """Put some triangles (n,) of the fans in clusters; ``faces`` (all,) is what they shall show."""
     polygons = geometry.polygons
     vertex, place = along_the_curve(polygons.vertices, polygons.vertices)
@@ -170,7 +170,7 @@ def clustered(geometry: Geometry, chosen: Array, faces: Ints) -> Mesh:
     )
     cull, slack = polygons.cull[polygons.triangle_polygon[number]], world_slack(geometry)
     least, most = np.minimum.reduceat(cull, first), np.maximum.reduceat(cull, first)
-    return Mesh(
+    return Clusters(
         vertices,
         corner,
         cull,
@@ -186,10 +186,10 @@ def clustered(geometry: Geometry, chosen: Array, faces: Ints) -> Mesh:
 
 
 def normals_of(vertices: Floats, corner: Ints, slack: Floats) -> tuple[Floats, Floats]:
-    """Return opposite corners of the boxes around the normals of clusters; see :mod:`.clusters`."""
+    """Return opposite corners of the boxes around the normals of clusters."""
     size = (3, -(-len(corner) // CLUSTER))
     low, high = np.empty(size), np.empty(size)
-    clusters.normal_boxes(vertices, corner, slack, low, high)
+    facing.normal_boxes(vertices, corner, slack, low, high)
     return low, high
 
 
@@ -224,29 +224,29 @@ def _vertices(shape: Shape) -> Floats:
 
 # What over- or underflows here and below is bounded by infinity, and so decided exactly.
 @np.errstate(all="ignore")
-def eye_of(view: View, mesh: Mesh, rows: Floats) -> Eye:
-    """Measure a view for the kernels; see :func:`hsr.kernels.zbuffer.halfspaces.eye_around`."""
+def eye_of(view: View, clusters: Clusters, rows: Floats) -> Eye:
+    """Measure a view for the kernels; see :func:`hsr.kernels.zbuffer.setup.eye_around`."""
     size, limits = (view.width, view.height), (view.near, view.far)
-    return halfspaces.eye_around(view.perspective, size, limits, rows, mesh.box, mesh.slack)
+    return setup.eye_around(view.perspective, size, limits, rows, clusters.box, clusters.slack)
 
 
 @np.errstate(all="ignore")
 def draw(
     view: View,
-    mesh: Mesh,
+    clusters: Clusters,
     rows: Floats,
     eye: Eye,
     screen: Floats,
     certified: bool,
     answer: tuple[Ints, Floats],
 ) -> tuple[Array, Array]:
-    """Draw a mesh into face (H, W) and depth (H, W).
+    """Draw clusters into face (H, W) and depth (H, W).
 
     Parameters
     ----------
     view : View
         Without curved shapes.
-    mesh : Mesh
+    clusters : Clusters
     rows : (3, 4) float64
         From world to clip space (x, y, d).
     eye : Eye
@@ -262,52 +262,26 @@ def draw(
         None if not certified.
     counts : (COUNTS,) int64
     """
-    extent = np.empty((mesh.low.shape[1], 5))
-    uncertain = tiles.lay_out(mesh.vertices, mesh.low, mesh.high, rows, eye, screen, extent)
-    if mesh.normals is not None:
-        sight = clusters.sight_of(view.perspective, rows)
-        clusters.leave_out((mesh.low, mesh.high), mesh.normals, mesh.culls, mesh.slack, sight, extent)
-    loose = _loose(view, mesh, rows, eye, screen) if uncertain else NO_TABLES
+    extent = np.empty((clusters.low.shape[1], 5))
+    uncertain = tiles.lay_out(clusters.vertices, clusters.low, clusters.high, rows, eye, screen, extent)
+    if clusters.normals is not None:
+        form = facing.determinant_of(view.perspective, rows)
+        facing.leave_out(
+            (clusters.low, clusters.high), clusters.normals, clusters.culls, clusters.slack, form, extent
+        )
+    crossing = _crossing(view, clusters, rows, eye, screen) if uncertain else NO_TABLES
     listed, todo = tiles.deal(extent, view.width, view.height, thread_count())
-    prepared = (screen, mesh.corner, mesh.cull, mesh.faces)
+    prepared = (screen, clusters.corner, clusters.cull, clusters.faces)
 
-    found, total, room = [NO_DOUBTS], np.zeros(tiles.COUNTS, np.int64), ROOM
-    while len(todo):
-        counts = np.zeros((len(todo), tiles.COUNTS), np.int64)
-        noted = np.empty((len(todo), room), key_buffer.DOUBT) if certified else None
-        tiles.rasterise(prepared, extent, listed, todo, loose, eye, noted, counts, *answer)
-        used = counts[:, key_buffer.USED].tolist()
-        if noted is not None:
-            found += [noted[k, :n] for k, n in enumerate(used) if 0 < n <= room]
-        again = [k for k, n in enumerate(used) if n > room]
-        counts[again] = 0
-        total += counts.sum(axis=0)
-        # Settling a tile at most doubles its doubts.
-        todo, room = todo[again], 2 * max(used)
-    return np.concatenate(found), total
+    def rasterise(todo: Array, noted: Array | None, counts: Array) -> None:
+        tiles.rasterise(prepared, extent, listed, todo, crossing, eye, noted, counts, *answer)
+
+    found, counts = zip(*filled(todo, ROOM, certified, rasterise), strict=True)
+    return np.concatenate(found), sum(counts)
 
 
-def _loose(view: View, mesh: Mesh, rows: Floats, eye: Eye, screen: Floats) -> Floats:
+def _crossing(view: View, clusters: Clusters, rows: Floats, eye: Eye, screen: Floats) -> Floats:
     """Set up the triangles of which a corner is not certain."""
-    chosen = loose_triangles(screen, mesh.corner, eye)
-    clip = to_clip(mesh.vertices.T[mesh.corner[chosen].ravel()], rows).reshape(-1, 3, 3)
-    return loose_tables(view, clip, mesh.number[chosen], chosen, eye)
-
-
-def _number(mesh: Mesh, found: Array) -> Array:
-    """Return which triangle each doubt is about."""
-    return np.asarray(found["key"] & number_bits(len(mesh.corner)))
-
-
-def number_bits(count: int) -> int:
-    """Return the bits of a key that tell so many triangles apart."""
-    return int(key_buffer.EMPTY) - int(key_buffer.depth_mask(count))
-
-
-def format_of(view: View, count: int, eye: Eye) -> dict[str, Any]:
-    """Describe the key depths of so many triangles as window depths, 0 at near and 1 at far."""
-    step = (number_bits(count) + 1.0) * 2.0**-63 / eye.scale
-    whole = nearness_at(view.near, view.perspective) - nearness_at(view.far, view.perspective)
-    # Near and far may be too close to each other for more than one step.
-    share = step / whole if whole > step else 1.0
-    return depth_format("window", share, view.near, view.far, view.perspective)
+    chosen = crossing_triangles(screen, clusters.corner, eye)
+    clip = to_clip(clusters.vertices.T[clusters.corner[chosen].ravel()], rows).reshape(-1, 3, 3)
+    return crossing_tables(view, clip, clusters.number[chosen], chosen, eye)

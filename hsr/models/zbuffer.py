@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from hsr.algorithms import scanline
-from hsr.algorithms.zbuffer import Options, clustered, draw, eye_of, mesh_of, render
+from hsr.algorithms.zbuffer import Options, clusters_of, draw, eye_of, in_clusters, render
 from hsr.base.arrays import Array, Ints
 from hsr.kernels.projection import clip_rows
 from hsr.models import scanline as scanned
@@ -43,9 +43,9 @@ def fill_rule(view: View, options: Options, samples: Array) -> Ints:  # noqa: AR
 def _drawn(view: View, layers: list[list[int]]) -> Iterator[Ints]:
     """Rasterise each layer by itself, and yield which polygon (H, W) is drawn at each sample."""
     rows, polygon = clip_rows(view.clip_from_world, view.depth_row), view.polygons.triangle_polygon
-    eye = eye_of(view, mesh_of(view), rows)
+    eye = eye_of(view, clusters_of(view), rows)
     for layer in layers:
-        alone = clustered(view.geometry, np.flatnonzero(np.isin(polygon, layer)), polygon)
+        alone = in_clusters(view.geometry, np.flatnonzero(np.isin(polygon, layer)), polygon)
         size = (view.height, view.width)
         answer = np.full(size, BACKGROUND, np.int32), np.full(size, np.inf)
         draw(view, alone, rows, eye, np.empty((alone.vertices.shape[1], 4)), False, answer)

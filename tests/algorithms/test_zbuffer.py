@@ -16,7 +16,7 @@ from hsr.algorithms import zbuffer
 from hsr.base.errors import ViewError
 from hsr.exact.oracle import truth
 from hsr.kernels.projection import clip_rows
-from hsr.kernels.zbuffer.halfspaces import LANES, TIE
+from hsr.kernels.zbuffer.setup import LANES, TIE
 from hsr.kernels.zbuffer.tiles import COLUMNS, LINES
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View, view
@@ -185,13 +185,13 @@ def test_depths_are_as_exact_as_stated(name: str, method: str, scenes: Any) -> N
     """Within 2^-35 of the range of what is seen: in a parallel view of depths, else of their inverses."""
     for camera in hsr.load(scenes / f"{name}.toml").camera:
         seen = hsr.view(hsr.load(scenes / f"{name}.toml"), (96, 80), camera.name).tessellated()
-        eye = zbuffer.eye_of(seen, zbuffer.mesh_of(seen), clip_rows(seen.clip_from_world, seen.depth_row))
+        eye = zbuffer.eye_of(seen, zbuffer.clusters_of(seen), clip_rows(seen.clip_from_world, seen.depth_row))
         assert eye.tie == TIE
         answer, exact = hsr.render(seen, method), truth(seen)
         shown = exact.face >= 0
         near, true = answer.depth[shown], exact.depth[shown]
         off = 1.0 / near - 1.0 / true if seen.perspective else near - true
-        assert np.abs(off).max() <= 2.0**-35 * (eye.front - eye.back)
+        assert np.abs(off).max() <= 2.0**-35 * (eye.closest - eye.farthest)
 
 
 def test_more_doubts_than_room_are_all_decided(monkeypatch: pytest.MonkeyPatch, scenes: Any) -> None:

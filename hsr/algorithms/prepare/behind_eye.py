@@ -10,8 +10,8 @@ import numpy as np
 
 from hsr.base.arrays import Array, Bools, Floats, Ints
 from hsr.certify import facets_at
-from hsr.kernels.zbuffer import halfspaces as hs
-from hsr.kernels.zbuffer.halfspaces import CLUSTER, ERROR, LOOSE, NEARNESS, TABLE, Eye, U
+from hsr.kernels.zbuffer import setup
+from hsr.kernels.zbuffer.setup import CLUSTER, ERROR, NEARNESS, PRECISE, TABLE, Eye, U
 from hsr.problem.view import View
 
 ROUNDED = 16.0 * U
@@ -19,8 +19,8 @@ ROUNDED = 16.0 * U
 quotient each, and fewer than ten roundings of numbers below 1."""
 
 
-def loose_triangles(screen: Floats, corner: Ints, eye: Eye) -> Array:
-    """Return the triangles (t,) that ``halfspaces.set_up`` leaves out because a corner is not certain.
+def crossing_triangles(screen: Floats, corner: Ints, eye: Eye) -> Array:
+    """Return the triangles (t,) that ``setup.set_up`` leaves out because a corner is not certain.
 
     Parameters
     ----------
@@ -29,15 +29,15 @@ def loose_triangles(screen: Floats, corner: Ints, eye: Eye) -> Array:
     corner : (n, 3) int32
     eye : Eye
     """
-    certain = screen[:, ERROR] <= LOOSE
+    certain = screen[:, ERROR] <= PRECISE
     if certain.all():
         return np.empty(0, np.int64)
     ahead = _may_be_ahead(screen[:, NEARNESS], eye)
     return np.flatnonzero(~certain[corner].all(axis=1) & ahead[corner].any(axis=1))
 
 
-def loose_tables(view: View, clip: Floats, piece: Ints, number: Array, eye: Eye) -> Floats:
-    """Set up loose triangles.
+def crossing_tables(view: View, clip: Floats, piece: Ints, number: Array, eye: Eye) -> Floats:
+    """Set up crossing triangles.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def loose_tables(view: View, clip: Floats, piece: Ints, number: Array, eye: Eye)
     if not len(crossed):
         return np.empty((0, TABLE))
     columns = _columns(view, piece[crossed], box[crossed], eye)
-    columns[hs.NUMBER // CLUSTER] = number[crossed]
+    columns[setup.NUMBER // CLUSTER] = number[crossed]
     tables = np.zeros((-(-len(crossed) // CLUSTER), TABLE // CLUSTER, CLUSTER))
     for t in range(len(tables)):
         part = columns[:, t * CLUSTER : (t + 1) * CLUSTER]
@@ -98,7 +98,7 @@ def boxes(clip: Floats, near: float, eye: Eye) -> Floats:
     -----
     Under perspective, what is seen is the hull of the corners beyond a depth just below near, and of the
     points in which the sides cross it. Projected, each is off by at most what
-    :func:`hsr.kernels.zbuffer.halfspaces.projected` says, and a point of a side by some roundings of the
+    :func:`hsr.kernels.zbuffer.setup.projected` says, and a point of a side by some roundings of the
     ends' coordinates.
     """
     whole = np.array([0.0, eye.width, 0.0, eye.height])
@@ -145,7 +145,7 @@ def _columns(view: View, piece: Ints, box: Floats, eye: Eye) -> Floats:
         value, to_right, down = a * i + b * j + c, 2 * a, -2 * b
         size = np.maximum(abs(value) + abs(to_right) * view.width + abs(down) * view.height, 1)
         columns[e], columns[across], columns[below] = value / size, to_right / size, down / size
-    columns[hs.BOUND // CLUSTER], columns[hs.AREA // CLUSTER] = ROUNDED, 1.0
+    columns[setup.BOUND // CLUSTER], columns[setup.AREA // CLUSTER] = ROUNDED, 1.0
 
     # Nearness is affine on the screen, too. That w is taken for depth is an error such as vertices have.
     a, b, c, s = np.array([facet.plane for facet in facets], object).T
@@ -155,25 +155,25 @@ def _columns(view: View, piece: Ints, box: Floats, eye: Eye) -> Floats:
     value, to_right, down = (
         -share * _quotient(number * above, s * below) for number in (a * i + b * j + c, 2 * a, -2 * b)
     )
-    z, z_x, z_y = hs.FRONT + (eye.front - value) * eye.scale, -to_right * eye.scale, -down * eye.scale
+    z, z_x, z_y = setup.CLOSEST + (eye.closest - value) * eye.scale, -to_right * eye.scale, -down * eye.scale
     # A value is rounded three times, and as often when it becomes a key depth.
-    slack = hs.nearness_error(eye.front, eye) + 8.0 * U * (abs(eye.front) + abs(value))
+    slack = setup.nearness_error(eye.closest, eye) + 8.0 * U * (abs(eye.closest) + abs(value))
     growth = abs(z_x) * view.width + abs(z_y) * view.height
     error = slack * eye.scale + 64.0 * U * (1.0 + growth)
     bounded = np.isfinite(error)
-    for part, number in ((hs.Z, z), (hs.Z_X, z_x), (hs.Z_Y, z_y)):
+    for part, number in ((setup.Z, z), (setup.Z_X, z_x), (setup.Z_Y, z_y)):
         columns[part // CLUSTER] = np.where(bounded, number, 0.0)
-    columns[hs.Z_ERROR // CLUSTER] = np.where(bounded, error, np.inf)
-    columns[hs.NEAREST // CLUSTER], columns[hs.CUT // CLUSTER] = 1.0, 1.0
-    columns[hs.LEFT // CLUSTER], columns[hs.RIGHT // CLUSTER] = left, right
+    columns[setup.Z_ERROR // CLUSTER] = np.where(bounded, error, np.inf)
+    columns[setup.NEAREST // CLUSTER], columns[setup.CUT // CLUSTER] = 1.0, 1.0
+    columns[setup.LEFT // CLUSTER], columns[setup.RIGHT // CLUSTER] = left, right
     drawn = [facet.drawn for facet in facets]
-    columns[hs.TOP // CLUSTER], columns[hs.BOTTOM // CLUSTER] = top, np.where(drawn, bottom, top)
+    columns[setup.TOP // CLUSTER], columns[setup.BOTTOM // CLUSTER] = top, np.where(drawn, bottom, top)
     return columns
 
 
-_E = [part // CLUSTER for part in (hs.E0, hs.E1, hs.E2)]
-_ACROSS = [part // CLUSTER for part in (hs.ACROSS0, hs.ACROSS1, hs.ACROSS2)]
-_BELOW = [part // CLUSTER for part in (hs.BELOW0, hs.BELOW1, hs.BELOW2)]
+_E = [part // CLUSTER for part in (setup.E0, setup.E1, setup.E2)]
+_ACROSS = [part // CLUSTER for part in (setup.ACROSS0, setup.ACROSS1, setup.ACROSS2)]
+_BELOW = [part // CLUSTER for part in (setup.BELOW0, setup.BELOW1, setup.BELOW2)]
 
 
 def _quotient(above: Array, below: Array) -> Floats:

@@ -19,7 +19,7 @@ from hsr.algorithms.prepare.behind_eye import w_at_depth_1
 from hsr.base.arrays import Array, Floats
 from hsr.certify import sights_at
 from hsr.kernels.raytiles.curved import QUADRIC
-from hsr.kernels.zbuffer.halfspaces import ANYWHERE, CULL_BACK, CULL_FRONT, SMALL, Eye
+from hsr.kernels.zbuffer.setup import ANYWHERE, CULL_BACK, CULL_FRONT, SMALL, Eye
 from hsr.problem.view import View
 from hsr.scene.shapes import Quadric
 

@@ -17,22 +17,22 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from hsr.algorithms.prepare.behind_eye import loose_tables, loose_triangles
+from hsr.algorithms.prepare.behind_eye import crossing_tables, crossing_triangles
+from hsr.algorithms.prepare.doubts import NO_DOUBTS, decide, filled, format_of, numbers_of
 from hsr.algorithms.prepare.quadrics import quadrics_of
-from hsr.algorithms.zbuffer import NO_DOUBTS, format_of, number_bits
 from hsr.base.arrays import Array, Bools, Floats, Ints
 from hsr.base.jit import thread_count
-from hsr.certify import first_pieces, resolve
+from hsr.certify import first_pieces
 from hsr.kernels import hierarchy
 from hsr.kernels.projection import clip_rows, to_clip
 from hsr.kernels.raytiles import casting
 from hsr.kernels.raytiles.casting import MEMBER, NO_QUADRIC, SHARE
-from hsr.kernels.zbuffer import key_buffer
-from hsr.kernels.zbuffer.halfspaces import (
+from hsr.kernels.zbuffer import fill
+from hsr.kernels.zbuffer.setup import (
     CLUSTER,
     ERROR,
     LANES,
-    LOOSE,
+    PRECISE,
     SIDE_BY_SIDE,
     SMALL,
     Eye,
@@ -72,9 +72,9 @@ def render(view: View, certified: bool) -> VisibilityMap:
     clock = Clock()
     geometry = view.geometry
     with clock("build"):
-        meshes = geometry.once("raycast meshes", lambda: meshes_of(geometry))
+        hierarchies = geometry.once("raycast hierarchies", lambda: hierarchies_of(geometry))
     with clock("prepare"):
-        world = geometry.once("raycast world", lambda: world_of(geometry, meshes))
+        world = geometry.once("raycast world", lambda: world_of(geometry, hierarchies))
         # Touch the memory now: the first touch of a page takes longer than what is computed in it.
         room, size = _room(world.members), (view.height, view.width)
         face, depth = np.full(size, -1, np.int32), np.full(size, np.inf)
@@ -83,14 +83,13 @@ def render(view: View, certified: bool) -> VisibilityMap:
         eye = eye_of(view, world, rows)
         caster = Caster(view, world, rows, eye, certified, (world.faces, face, depth))
         found, counts = _cast(caster, room)
-        resolved = resolve(view, found["sample"], _pieces(world, found), found["sure"])
-        face.ravel()[resolved.sample], depth.ravel()[resolved.sample] = resolved.face, resolved.depth
+        uncertain = decide(view, found, numbers_of(found, len(world.faces)), (face, depth))
     work = {
         "rays": view.width * view.height,
         "nodes visited": int(counts[casting.NODES]),
         "extent tests": int(counts[casting.EXTENTS]),
-        "face tests": int(counts[key_buffer.TRIANGLES]),
-        "uncertain": len(resolved.sample),
+        "face tests": int(counts[fill.TRIANGLES]),
+        "uncertain": uncertain,
     }
     notes = {"depth_format": format_of(view, len(world.faces), eye)}
     return VisibilityMap(face, depth, "raycast", work, clock.seconds, notes)
@@ -99,7 +98,7 @@ def render(view: View, certified: bool) -> VisibilityMap:
 # ---------------------------------------------------------------- once a shape
 
 
-class Mesh(NamedTuple):
+class Hierarchy(NamedTuple):
     """A shape of planar faces as triangles, in the order of the leaves of its hierarchy; else nothing.
 
     Attributes
@@ -122,28 +121,28 @@ class Mesh(NamedTuple):
     box: Floats
 
 
-MeshKind = tuple[Shape, bool]
+Handed = tuple[Shape, bool]
 """A shape, and whether its object is mirrored: the fans of its polygons then run the other way round."""
 
 
-def meshes_of(geometry: Geometry) -> dict[MeshKind, Mesh]:
+def hierarchies_of(geometry: Geometry) -> dict[Handed, Hierarchy]:
     """Build the hierarchies of all shapes, once for all their instances."""
-    return {kind: _mesh_of(*kind) for kind in dict.fromkeys(map(_kind, geometry))}
+    return {kind: _hierarchy_of(*kind) for kind in dict.fromkeys(map(_handed, geometry))}
 
 
-def _mesh_of(shape: Shape, mirrored: bool) -> Mesh:
+def _hierarchy_of(shape: Shape, mirrored: bool) -> Hierarchy:
     polygons, box = shape.polygons, box_of(shape)
     if polygons is None:
         corner, number, tree = (np.empty(size, np.int32) for size in ((0, 3), 0, (0, 2)))
-        return Mesh(np.empty((3, 0)), corner, number, tree, box)
+        return Hierarchy(np.empty((3, 0)), corner, number, tree, box)
     if mirrored:
         polygons = replace(polygons, corner=reversed_loops(polygons))
     number, tree = hierarchy.tree_of(polygons.vertices, polygons.triangle_vertex, box, LEAF)
     corner = np.take(polygons.triangle_vertex, number, axis=0)
-    return Mesh(np.ascontiguousarray(polygons.vertices.T), corner, number, tree, box)
+    return Hierarchy(np.ascontiguousarray(polygons.vertices.T), corner, number, tree, box)
 
 
-def _kind(placement: Placement) -> MeshKind:
+def _handed(placement: Placement) -> Handed:
     return placement.shape, placement.mirrored
 
 
@@ -163,7 +162,7 @@ class World(NamedTuple):
     Attributes
     ----------
     shapes : Shapes
-        The data of all meshes, one after the other.
+        The data of all hierarchies, one after the other.
     members : (n,) MEMBER
         The objects, with no place on the screen and no quadric yet.
     box : (n, 2, 3) float64
@@ -178,21 +177,23 @@ class World(NamedTuple):
     faces: Ints
 
 
-def world_of(geometry: Geometry, meshes: dict[MeshKind, Mesh]) -> World:
-    """Join the data of all meshes, and say of each object where its own is."""
-    sizes = np.array([[mesh.vertices.shape[1], len(mesh.corner), len(mesh.tree)] for mesh in meshes.values()])
-    described = np.zeros(len(meshes), MEMBER)
+def world_of(geometry: Geometry, hierarchies: dict[Handed, Hierarchy]) -> World:
+    """Join the data of all hierarchies, and say of each object where its own is."""
+    sizes = np.array(
+        [[one.vertices.shape[1], len(one.corner), len(one.tree)] for one in hierarchies.values()]
+    )
+    described = np.zeros(len(hierarchies), MEMBER)
     described["vertices"], described["triangles"], described["nodes"] = sizes.T
     described["vertex"], described["triangle"], described["node"] = (np.cumsum(sizes, axis=0) - sizes).T
 
-    place = {kind: k for k, kind in enumerate(meshes)}
-    which = [place[_kind(one)] for one in geometry]
+    place = {kind: k for k, kind in enumerate(hierarchies)}
+    which = [place[_handed(one)] for one in geometry]
     members = described[which]
     members["object"] = np.arange(len(members))
     members["cull"] = [one.cull for one in geometry]
     members["piece"] = first_pieces(geometry)[:-1]
     members["quadric"] = NO_QUADRIC
-    points, *shapes, boxes = zip(*meshes.values(), strict=True)
+    points, *shapes, boxes = zip(*hierarchies.values(), strict=True)
     vertices = _joined(points, axis=1)
     corner, number, tree = (_joined(parts) for parts in shapes)
     return World((vertices, corner, number, tree), members, np.array(boxes)[which], _faces(geometry))
@@ -304,7 +305,7 @@ def _cast(caster: Caster, room: Room) -> tuple[Array, Array]:
         of_curved = batch["nodes"] == 0
         batch["quadric"][of_curved] = np.searchsorted(curved, chosen[of_curved])
         laid = _lay_out(caster, batch, extent[chosen], room)
-        for noted, counts in _cast_batch(caster, laid, (quadrics, _loose(caster, laid)), kept):
+        for noted, counts in _cast_batch(caster, laid, (quadrics, _crossing(caster, laid)), kept):
             found.append(noted)
             total += counts
     every = np.concatenate(found)
@@ -336,7 +337,7 @@ def _batches(order: Array, members: Array) -> Iterator[Array]:
 def _kept(view: View) -> casting.Kept:
     """Return tiles that show nothing; samples beyond the image hide everything."""
     rows, columns = -(-view.height // LINES), -(-view.width // COLUMNS)
-    keys = np.full((rows, columns, LINES, COLUMNS + LANES), key_buffer.EMPTY, np.int64)
+    keys = np.full((rows, columns, LINES, COLUMNS + LANES), fill.EMPTY, np.int64)
     keys[-1, :, view.height - (rows - 1) * LINES :] = 0
     keys[:, -1, :, view.width - (columns - 1) * COLUMNS :] = 0
     return keys, np.full((rows, columns, LINES // CELL, COLUMNS // CELL), np.inf)
@@ -365,20 +366,20 @@ def _shares(sizes: Array, most: int) -> Array:
     return shares
 
 
-def _loose(caster: Caster, laid: casting.Laid) -> Floats:
+def _crossing(caster: Caster, laid: casting.Laid) -> Floats:
     """Set up the triangles of a batch of which a corner is not certain."""
     members, _, screen, _ = laid
-    uncertain = np.flatnonzero(~(screen[:, ERROR] <= LOOSE))
+    uncertain = np.flatnonzero(~(screen[:, ERROR] <= PRECISE))
     clip, pieces = [np.empty((0, 3, 3))], [np.empty(0, np.int32)]
     for member in members[np.unique(np.searchsorted(members["to_screen"], uncertain, "right") - 1)]:
         vertices, corner, number = _own(caster.world, member)
         projected = screen[member["to_screen"] :][: len(vertices)]
-        chosen = loose_triangles(projected, corner, caster.eye)
+        chosen = crossing_triangles(projected, corner, caster.eye)
         corners = to_clip(vertices[corner[chosen].ravel()], caster.rows[member["object"]])
         clip.append(corners.reshape(-1, 3, 3))
         pieces.append(number[chosen] + np.int32(member["piece"]))
     piece = np.concatenate(pieces)
-    return loose_tables(caster.view, np.concatenate(clip), piece, piece, caster.eye)
+    return crossing_tables(caster.view, np.concatenate(clip), piece, piece, caster.eye)
 
 
 def _own(world: World, member: Array) -> tuple[Floats, Ints, Ints]:
@@ -393,21 +394,15 @@ def _cast_batch(
     caster: Caster, laid: casting.Laid, special: tuple[Array, Floats], kept: casting.Kept | None
 ) -> Iterator[tuple[Array, Array]]:
     """Cast all rays into a batch that is laid out; yield doubts and counts of tiles."""
-    extent, loose = laid[1], special[1]
+    extent, crossing = laid[1], special[1]
     listed, todo = deal(extent, caster.view.width, caster.view.height, thread_count())
-    todo = todo[(len(loose) > 0) | (todo[:, 2] < todo[:, 3])]
-    shapes, eye, image, room = caster.world.shapes, caster.eye, caster.image, ROOM
-    while len(todo):
-        counts = np.zeros((len(todo), casting.COUNTS), np.int64)
-        noted = np.empty((len(todo), room), key_buffer.DOUBT) if caster.certified else None
+    todo = todo[(len(crossing) > 0) | (todo[:, 2] < todo[:, 3])]
+    shapes, eye, image = caster.world.shapes, caster.eye, caster.image
+
+    def cast(todo: Array, noted: Array | None, counts: Array) -> None:
         casting.cast(shapes, laid, special, listed, todo, eye, kept, image, noted, counts)
-        used = counts[:, key_buffer.USED].tolist()
-        parts = [] if noted is None else [noted[k, :n] for k, n in enumerate(used) if 0 < n <= room]
-        again = [k for k, n in enumerate(used) if n > room]
-        counts[again] = 0
-        yield np.concatenate([NO_DOUBTS, *parts]), counts.sum(axis=0)
-        # Settling a tile at most doubles its doubts.
-        todo, room = todo[again], 2 * max(used)
+
+    return filled(todo, ROOM, caster.certified, cast)
 
 
 # ---------------------------------------------------------------- what is in doubt
@@ -418,16 +413,11 @@ def _settled(caster: Caster, found: Array, keys: Array) -> Array:
     row, column = np.divmod(found["sample"], caster.view.width)
     shown = keys[row // LINES, column // COLUMNS, row % LINES, column % COLUMNS]
     left = found["key"] - shown <= _gap(caster)
-    last = found[left & (shown != key_buffer.EMPTY)]
-    last["key"], last["sure"] = shown[left & (shown != key_buffer.EMPTY)], True
+    last = found[left & (shown != fill.EMPTY)]
+    last["key"], last["sure"] = shown[left & (shown != fill.EMPTY)], True
     return np.concatenate([found[left], np.unique(last)])
 
 
 def _gap(caster: Caster) -> int:
     """Return by how much keys differ at most whose depths may be equal."""
-    return key_buffer.gap_of(key_buffer.depth_mask(len(caster.world.faces)), caster.eye.tie)
-
-
-def _pieces(world: World, found: Array) -> Array:
-    """Return which piece each doubt is about."""
-    return np.asarray(found["key"] & number_bits(len(world.faces)))
+    return fill.gap_of(fill.depth_mask(len(caster.world.faces)), caster.eye.tie)

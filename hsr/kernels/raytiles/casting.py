@@ -6,7 +6,7 @@ Wald, Boulos & Shirley, "Ray Tracing Deformable Scenes Using Dynamic Bounding Vo
 Transactions on Graphics 26(1), 2007). A node is passed by if its rectangle misses the tile, or if it is
 behind all that the tile shows there, cell by cell. In the leaves a ray meets a triangle where its sample is
 inside the projected edges; those tests, and what they leave in doubt, are those of the depth buffer
-(:mod:`hsr.kernels.zbuffer.halfspaces`, :mod:`hsr.kernels.zbuffer.key_buffer`). Spheres and cylinders are met
+(:mod:`hsr.kernels.zbuffer.setup`, :mod:`hsr.kernels.zbuffer.fill`). Spheres and cylinders are met
 by each ray itself (:mod:`hsr.kernels.raytiles.curved`).
 
 Objects are laid out on the screen in batches, nearest first, and forgotten afterwards, so that this memory
@@ -24,15 +24,17 @@ from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.jit import jit, parallel_jit, prange
 from hsr.kernels.hierarchy import INNER, STACK
 from hsr.kernels.raytiles.curved import cast_into_quadric
-from hsr.kernels.zbuffer.halfspaces import (
+from hsr.kernels.zbuffer.fill import EMPTY, Window, depth_gap, depth_mask, gap_of
+from hsr.kernels.zbuffer.settle import settle
+from hsr.kernels.zbuffer.setup import (
     CLUSTER,
     CULL,
     ERROR,
     GATHERED,
     LANES,
-    LOOSE,
     NEARNESS,
     NUMBER,
+    PRECISE,
     TABLE,
     Eye,
     X,
@@ -44,7 +46,6 @@ from hsr.kernels.zbuffer.halfspaces import (
     samples_between,
     set_up,
 )
-from hsr.kernels.zbuffer.key_buffer import EMPTY, Window, depth_gap, depth_mask, gap_of, settle
 from hsr.kernels.zbuffer.tiles import (
     CELL,
     COLUMNS,
@@ -197,13 +198,15 @@ def reach_leaves(
         first, count = tree[member["node"] + k, 0], tree[member["node"] + k, 1]
         if count == INNER:
             continue
+
+        # Join the corners of its triangles.
         left, right, top, bottom, nearest, error = np.inf, -np.inf, np.inf, -np.inf, -np.inf, 0.0
         for triangle in range(member["triangle"] + first, member["triangle"] + first + count):
             a = member["to_screen"] + corner[triangle, 0]
             b = member["to_screen"] + corner[triangle, 1]
             c = member["to_screen"] + corner[triangle, 2]
             worst = max(max(screen[a, ERROR], screen[b, ERROR]), screen[c, ERROR])
-            if worst <= LOOSE:
+            if worst <= PRECISE:
                 error = max(error, worst)
                 left = min(min(left, screen[a, X]), min(screen[b, X], screen[c, X]))
                 right = max(max(right, screen[a, X]), max(screen[b, X], screen[c, X]))
@@ -212,6 +215,8 @@ def reach_leaves(
                 nearest = max(
                     max(nearest, screen[a, NEARNESS]), max(screen[b, NEARNESS], screen[c, NEARNESS])
                 )
+
+        # Note the samples that they may cover, and how near they come.
         noted = extent[member["to_extent"] + k]
         noted[1] = 0.0
         if left <= right:
@@ -294,8 +299,9 @@ def cast_tile(
     doubts: Array | None,
     counts: Array,
 ) -> None:
-    """Cast the rays of one tile into the listed members and all loose triangles."""
-    quadrics, loose = special
+    """Cast the rays of one tile into the listed members and all crossing triangles."""
+    # Start with what the tile shows, or empty keys.
+    quadrics, crossing = special
     faces, face, depth = image
     mask = depth_mask(len(faces))
     line, column = tile[0] * LINES, tile[1] * COLUMNS
@@ -323,9 +329,9 @@ def cast_tile(
         drawn[cells[0] : cells[1], cells[2] : cells[3]] = True
 
     # Test what no hierarchy has, and read the answer out.
-    drawn[:] |= len(loose) > 0
-    for t in range(len(loose)):
-        draw_table(loose[t], CLUSTER, keys, window, eye, farthest, doubts, counts)
+    drawn[:] |= len(crossing) > 0
+    for t in range(len(crossing)):
+        draw_table(crossing[t], CLUSTER, keys, window, eye, farthest, doubts, counts)
     if doubts is not None:
         settle(keys, window, doubts, counts)
     show(keys, window, drawn, faces, eye, face, depth)
@@ -357,6 +363,7 @@ def cast_into_mesh(
     stack[0] = 0
     waiting = 1
     while waiting > 0:
+        # Take the next node, unless something nearer hides it.
         waiting -= 1
         k = stack[waiting]
         counts[NODES] += 1
@@ -364,6 +371,8 @@ def cast_into_mesh(
         cells = cells_of(extent[here, 0], extent[here, 1], extent[here, 2], extent[here, 3], keys, window)
         if is_hidden(extent[here, 4] - depth_gap(window.gap), cells, keys, farthest, stale):
             continue
+
+        # Go on to its children, or draw its triangles.
         first, count = tree[root + k, 0], tree[root + k, 1]
         if count == INNER:
             second_nearer = extent[to_extent + first + 1, 4] < extent[to_extent + first, 4]

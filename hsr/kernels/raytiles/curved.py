@@ -26,18 +26,19 @@ import numpy as np
 
 from hsr.base.arrays import Array, Floats
 from hsr.base.jit import jit
-from hsr.kernels.zbuffer.halfspaces import (
+from hsr.kernels.zbuffer.fill import TRIANGLES, Box, Window, key_of
+from hsr.kernels.zbuffer.settle import is_farther, write
+from hsr.kernels.zbuffer.setup import (
     ANYWHERE,
-    BACK,
     CULL_BACK,
     CULL_FRONT,
+    FARTHEST,
     LANES,
     Eye,
     U,
     key_depth,
     nearness_error,
 )
-from hsr.kernels.zbuffer.key_buffer import TRIANGLES, Box, Window, is_farther, key_of, write
 
 QUADRIC = np.dtype(
     [
@@ -198,7 +199,7 @@ def piece_of(thing: Any, k: int) -> int:
 def key_hit(hit: Hit, eye: Eye) -> Hit:
     """Return a hit with its key depth in place of v, and the margin by which it lies between near and far.
 
-    Nearness counts depth for w, see :func:`hsr.kernels.zbuffer.halfspaces.nearness_error`; front and v are
+    Nearness counts depth for w, see :func:`hsr.kernels.zbuffer.setup.nearness_error`; front and v are
     rounded when the one is taken from the other.
     """
     at_eye = key_depth(0.0, eye)
@@ -292,7 +293,7 @@ def note(thing: Any, keys: Array, window: Window, eye: Eye, doubts: Array, count
                     if key != old and abs(old - key) <= window.gap:
                         write(doubts, counts, sample, key, True)
                 elif not margin <= -1.0:
-                    nearest = min(max(z - error, 1.0), BACK)
+                    nearest = min(max(z - error, 1.0), FARTHEST)
                     key = key_of(nearest, window.mask, piece_of(thing, k))
                     if not is_farther(key, old, window.gap):
                         write(doubts, counts, sample, key, False)

@@ -3,8 +3,8 @@
 Triangles come in clusters, neighbours on the surface, and clusters in order of their nearest point. The
 screen is cut into cells, of which the farthest depth is known; a cluster behind all cells that it crosses is
 hidden, and not looked into (Greene, Kass & Miller, "Hierarchical Z-Buffer Visibility", SIGGRAPH 1993). The
-others are drawn triangle by triangle, see :mod:`hsr.kernels.zbuffer.halfspaces` and
-:mod:`hsr.kernels.zbuffer.key_buffer`.
+others are drawn triangle by triangle, see :mod:`hsr.kernels.zbuffer.setup`,
+:mod:`hsr.kernels.zbuffer.fill` and :mod:`hsr.kernels.zbuffer.settle`, in this order.
 
 The tiles are shared out among threads. Neither their number nor the order of clusters leaves a trace.
 """
@@ -15,15 +15,29 @@ import numpy as np
 
 from hsr.base.arrays import Array, Bools, Floats, Ints
 from hsr.base.jit import jit, parallel_jit, prange
-from hsr.kernels.zbuffer.halfspaces import (
-    BACK,
+from hsr.kernels.zbuffer.fill import (
+    EMPTY,
+    TRIANGLES,
+    Window,
+    depth_gap,
+    depth_mask,
+    depth_of,
+    fill,
+    gap_of,
+    is_certain,
+    limits_of,
+    read_out,
+)
+from hsr.kernels.zbuffer.settle import note, settle, suspect
+from hsr.kernels.zbuffer.setup import (
     BOTTOM,
     CLUSTER,
     CUT,
+    FARTHEST,
     LANES,
     LEFT,
-    LOOSE,
     NEAREST,
+    PRECISE,
     RIGHT,
     SIDE_BY_SIDE,
     TABLE,
@@ -38,22 +52,6 @@ from hsr.kernels.zbuffer.halfspaces import (
     projected,
     samples_between,
     set_up,
-)
-from hsr.kernels.zbuffer.key_buffer import (
-    EMPTY,
-    TRIANGLES,
-    Window,
-    depth_gap,
-    depth_mask,
-    depth_of,
-    fill,
-    gap_of,
-    is_certain,
-    limits_of,
-    note,
-    read_out,
-    settle,
-    suspect,
 )
 
 LINES, COLUMNS = 128, 512
@@ -107,14 +105,17 @@ def lay_out(
     Returns
     -------
     int
-        How many vertices are not certain within ``LOOSE``.
+        How many vertices are not certain within ``PRECISE``.
     """
     uncertain, matrix = 0, entries(rows)
     for share in prange(SHARES):
+        # Project this share of the vertices.
         first, end = share_of(vertices.shape[1], share)
         for start in range(first, end, SIDE_BY_SIDE):
             stop = min(start + SIDE_BY_SIDE, end)
             uncertain += project(vertices, start, stop, matrix, eye, screen, start)
+
+        # Find what this share of the clusters may cover.
         first, end = share_of(low.shape[1], share)
         for start in range(first, end, SIDE_BY_SIDE):
             reach(low, high, start, min(start + SIDE_BY_SIDE, end), matrix, eye, extent)
@@ -146,6 +147,7 @@ def reach(low: Floats, high: Floats, first: int, end: int, matrix: Matrix, eye: 
 @jit
 def reach_box(low: Point, high: Point, matrix: Matrix, eye: Eye) -> tuple[float, float, float, float, float]:
     """Return what one box may cover; one with a corner at or behind the eye, anything."""
+    # Project the eight corners: the box covers no more than their bounding box, and is no nearer.
     left, right, top, bottom, nearest, error = np.inf, -np.inf, np.inf, -np.inf, -np.inf, 0.0
     for bits in range(8):
         px = high[0] if bits & 1 else low[0]
@@ -154,10 +156,12 @@ def reach_box(low: Point, high: Point, matrix: Matrix, eye: Eye) -> tuple[float,
         x, y, nearness, corner_error = projected(px, py, pz, matrix, eye)
         left, right, top, bottom = min(left, x), max(right, x), min(top, y), max(bottom, y)
         nearest, error = max(nearest, nearness), max(error, corner_error)
+
+    # Count in the errors.
     first_column, end_column = samples_between(left, right, error, eye.width)
     first_line, end_line = samples_between(top, bottom, error, eye.height)
     z = key_depth(nearest, eye) - nearness_error(nearest, eye) * eye.scale
-    certain = error <= LOOSE
+    certain = error <= PRECISE
     return (
         first_column if certain else 0.0,
         end_column if certain else eye.width,
@@ -188,6 +192,7 @@ def deal(extent: Floats, width: int, height: int, threads: int) -> tuple[Ints, A
     """
     columns = -(-width // COLUMNS)
     number = -(-height // LINES) * columns
+    # Count what each tile gets.
     order = nearest_first(extent)
     place = np.zeros(number + 1, np.int64)
     for m in order:
@@ -195,10 +200,14 @@ def deal(extent: Floats, width: int, height: int, threads: int) -> tuple[Ints, A
         for row in range(first_row, end_row):
             for tile in range(row * columns + first_column, row * columns + end_column):
                 place[tile + 1] += 1
+
+    # Deal the tiles to the threads, those with the longest lists first.
     place = np.cumsum(place)
     tiles = np.empty((number, 4), np.int64)
     for k, tile in enumerate(to_and_fro(np.argsort(place[:-1] - place[1:], kind="mergesort"), threads)):
         tiles[k] = tile // columns, tile % columns, place[tile], place[tile + 1]
+
+    # Write the lists.
     listed = np.empty(place[-1], np.int32)
     for m in order:
         first_row, end_row, first_column, end_column = tiles_of(extent[m])
@@ -212,14 +221,17 @@ def deal(extent: Floats, width: int, height: int, threads: int) -> tuple[Ints, A
 @jit
 def nearest_first(extent: Floats) -> Ints:
     """Return what may cover some sample, the nearest first: by slices of depth, and in one as they come."""
+    # Count what each slice of depth has.
     inside = np.zeros(len(extent), np.int32)
     start = np.zeros(SLICES + 1, np.int64)
     for m in range(len(extent)):
         if extent[m, 0] < extent[m, 1] and extent[m, 2] < extent[m, 3]:
             # Whose depth is not a number may be anywhere.
             z = extent[m, 4] if extent[m, 4] > 1.0 else 1.0
-            inside[m] = 1 + int((min(z, BACK) - 1.0) * (SLICES - 1))
+            inside[m] = 1 + int((min(z, FARTHEST) - 1.0) * (SLICES - 1))
             start[inside[m]] += 1
+
+    # Put everything in its slice.
     start = np.cumsum(start)
     order = np.empty(start[-1], np.int32)
     for m in range(len(extent)):
@@ -258,11 +270,11 @@ def tiles_of(extent: Floats) -> tuple[int, int, int, int]:
 
 @parallel_jit
 def rasterise(
-    mesh: tuple[Floats, Ints, Array, Ints],
+    triangles: tuple[Floats, Ints, Array, Ints],
     extent: Floats,
     listed: Ints,
     tiles: Array,
-    loose: Floats,
+    crossing: Floats,
     eye: Eye,
     doubts: Array | None,
     counts: Array,
@@ -273,13 +285,13 @@ def rasterise(
 
     Parameters
     ----------
-    mesh : tuple
+    triangles : tuple
         ``screen`` (V, 4) float64, ``corner`` (n, 3) int32 and ``cull`` (n,) int8, see
-        :func:`hsr.kernels.zbuffer.halfspaces.set_up`; ``faces`` (n,) int32, the face of each triangle.
+        :func:`hsr.kernels.zbuffer.setup.set_up`; ``faces`` (n,) int32, the face of each triangle.
     extent : (clusters, 5) float64
     listed, tiles
         See :func:`deal`.
-    loose : (t, TABLE) float64
+    crossing : (t, TABLE) float64
         Tables of the triangles that ``set_up`` leaves out, all full.
     eye : Eye
     doubts : (T, room) DOUBT or None
@@ -291,24 +303,25 @@ def rasterise(
     for k in prange(len(tiles)):
         room = None if doubts is None else doubts[k]
         mine = listed[tiles[k, 2] : tiles[k, 3]]
-        draw_tile(mesh, extent, mine, tiles[k, :2], loose, eye, room, counts[k], face, depth)
+        draw_tile(triangles, extent, mine, tiles[k, :2], crossing, eye, room, counts[k], face, depth)
 
 
 @jit
 def draw_tile(
-    mesh: tuple[Floats, Ints, Array, Ints],
+    triangles: tuple[Floats, Ints, Array, Ints],
     extent: Floats,
     listed: Ints,
     tile: Array,
-    loose: Floats,
+    crossing: Floats,
     eye: Eye,
     doubts: Array | None,
     counts: Array,
     face: Ints,
     depth: Floats,
 ) -> None:
-    """Draw the listed clusters and all loose triangles into one tile, and read it out."""
-    screen, corner, cull, faces = mesh
+    """Draw the listed clusters and all crossing triangles into one tile, and read it out."""
+    # Start with a window of empty keys.
+    screen, corner, cull, faces = triangles
     line, column = tile[0] * LINES, tile[1] * COLUMNS
     lines, columns = min(LINES, face.shape[0] - line), min(COLUMNS, face.shape[1] - column)
     keys = np.full((lines, columns + LANES), EMPTY, np.int64)
@@ -332,9 +345,9 @@ def draw_tile(
         drawn[cells[0] : cells[1], cells[2] : cells[3]] = True
 
     # Draw what has no place in clusters, and read the answer out.
-    drawn[:] |= len(loose) > 0
-    for t in range(len(loose)):
-        draw_table(loose[t], CLUSTER, keys, window, eye, farthest, doubts, counts)
+    drawn[:] |= len(crossing) > 0
+    for t in range(len(crossing)):
+        draw_table(crossing[t], CLUSTER, keys, window, eye, farthest, doubts, counts)
     if doubts is not None:
         settle(keys, window, doubts, counts)
     show(keys, window, drawn, faces, eye, face, depth)
@@ -379,6 +392,7 @@ def draw_table(
     """Draw the first n triangles of a table, but for those behind all that their cells were known to show."""
     certify = None if doubts is None else True
     for i in range(n):
+        # Leave out what is left out, outside the window, or hidden.
         if not table[TOP + i] < table[BOTTOM + i]:
             continue
         cells = cells_of(table[LEFT + i], table[RIGHT + i], table[TOP + i], table[BOTTOM + i], keys, window)
@@ -387,6 +401,8 @@ def draw_table(
         if is_behind(table[NEAREST + i] - depth_gap(window.gap), cells, farthest):
             continue
         counts[TRIANGLES] += 1
+
+        # Fill the keys, and note what is in doubt.
         if not is_certain(table, i, eye) and doubts is not None:
             suspect(table, i, keys, window, doubts, counts)
         elif table[CUT + i] != 0.0:

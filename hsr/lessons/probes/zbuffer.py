@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from hsr.algorithms import zbuffer
-from hsr.kernels.zbuffer import key_buffer, tiles
+from hsr.kernels.zbuffer import fill, settle, tiles
 from hsr.lessons.probes import Beat, Buffers, Look, Names, Probe, nobody, place
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import View
@@ -16,7 +16,7 @@ from hsr.problem.view import View
 
 def probe(view: View, _options: Any) -> Probe:
     """Watch the samples of each triangle, the doubts, and what decides them."""
-    size, faces = (view.height, view.width), zbuffer.mesh_of(view.tessellated()).faces
+    size, faces = (view.height, view.width), zbuffer.clusters_of(view.tessellated()).faces
 
     def keys_read(names: Names) -> Callable[[], Buffers]:
         keys, window, eye = names["keys"], names["window"], names["eye"]
@@ -25,7 +25,7 @@ def probe(view: View, _options: Any) -> Probe:
 
         def read() -> Buffers:
             if not np.array_equal(keys, known):
-                key_buffer.read_out(keys, window, box, faces, eye, face, depth)
+                fill.read_out(keys, window, box, faces, eye, face, depth)
                 known[:] = keys
             return face, depth
 
@@ -45,17 +45,17 @@ def probe(view: View, _options: Any) -> Probe:
     return Probe(
         shown={
             tiles.draw_table: ("i",),
-            key_buffer.fill: tuple(tests.split()),
-            key_buffer.note: ("line", "column", "inner", "bound"),
+            fill.fill: tuple(tests.split()),
+            settle.note: ("line", "column", "inner", "bound"),
             zbuffer.render: (),
         },
         buffers={tiles.draw_tile: Look("window", keys_read), zbuffer.render: Look("found", answered)},
         beats=(
-            Beat(key_buffer.fill, "inside, nearer_by =", sample, tested),
-            Beat(key_buffer.note, "inner, z =", place("line", "column"), nobody),
+            Beat(fill.fill, "inside, nearer_by =", sample, tested),
+            Beat(settle.note, "inner, z =", place("line", "column"), nobody),
         ),
         counters={
-            "samples tested": (key_buffer.fill, "place ="),
-            "in doubt on an edge": (key_buffer.note, "write("),
+            "samples tested": (fill.fill, "place ="),
+            "in doubt on an edge": (settle.note, "write("),
         },
     )

@@ -7,11 +7,11 @@ from fractions import Fraction
 
 import numpy as np
 
-from hsr.algorithms.prepare.behind_eye import loose_tables
-from hsr.algorithms.zbuffer import eye_of, mesh_of
+from hsr.algorithms.prepare.behind_eye import crossing_tables
+from hsr.algorithms.zbuffer import clusters_of, eye_of
 from hsr.certify import facets_at
 from hsr.kernels.projection import clip_rows, to_clip
-from hsr.kernels.zbuffer import halfspaces as hs
+from hsr.kernels.zbuffer import setup
 from hsr.problem.view import View, view
 from tests.conftest import JIT
 from tests.exact.hard import scene
@@ -31,18 +31,18 @@ def around(seed: int) -> View:
     return view(scene([thing], {"type": "matrix", "matrix": matrix.tolist()}), (5, 5))
 
 
-def entries(seen: View) -> Iterator[tuple[hs.Eye, int, dict[str, float]]]:
+def entries(seen: View) -> Iterator[tuple[setup.Eye, int, dict[str, float]]]:
     """Yield the eye, the number and the table entry of every triangle of certain depth."""
-    mesh, every = mesh_of(seen), np.arange(3)
+    clusters, every = clusters_of(seen), np.arange(3)
     rows = clip_rows(seen.clip_from_world, seen.depth_row)
-    eye = eye_of(seen, mesh, rows)
-    clip = to_clip(mesh.vertices.T[mesh.corner.ravel()], rows).reshape(-1, 3, 3)
+    eye = eye_of(seen, clusters, rows)
+    clip = to_clip(clusters.vertices.T[clusters.corner.ravel()], rows).reshape(-1, 3, 3)
     names = ("NUMBER", "LEFT", "RIGHT", "TOP", "BOTTOM", "Z", "Z_X", "Z_Y", "Z_ERROR")
-    for table in loose_tables(seen, clip, mesh.number, every, eye):
-        for i in range(hs.CLUSTER):
-            entry = {name: float(table[getattr(hs, name) + i]) for name in names}
+    for table in crossing_tables(seen, clip, clusters.number, every, eye):
+        for i in range(setup.CLUSTER):
+            entry = {name: float(table[getattr(setup, name) + i]) for name in names}
             if entry["BOTTOM"] > entry["TOP"] and entry["Z_ERROR"] <= eye.tie:
-                yield eye, int(mesh.number[int(entry["NUMBER"])]), entry
+                yield eye, int(clusters.number[int(entry["NUMBER"])]), entry
 
 
 def test_key_depths_are_within_their_bound() -> None:
@@ -54,14 +54,16 @@ def test_key_depths_are_within_their_bound() -> None:
     assert asked > 3 * SEEDS
 
 
-def is_within(seen: View, eye: hs.Eye, number: int, entry: dict[str, float], row: int, column: int) -> bool:
+def is_within(
+    seen: View, eye: setup.Eye, number: int, entry: dict[str, float], row: int, column: int
+) -> bool:
     """Check a sample of a triangle, if it covers it."""
     _, (facet,) = facets_at(seen, np.array([number], np.int32))
     p = [2 * column + 1 - seen.width, seen.height - 1 - 2 * row, 1]
     if min(np.array(facet.inside, object) @ p) < 0:
         return False
     above, below = np.array(facet.depth, object) @ p
-    exact = hs.FRONT + (Fraction(float(eye.front)) - Fraction(int(below), int(above))) * Fraction(
+    exact = setup.CLOSEST + (Fraction(float(eye.closest)) - Fraction(int(below), int(above))) * Fraction(
         float(eye.scale)
     )
     right, down = column - entry["LEFT"], row - entry["TOP"]

@@ -204,7 +204,7 @@ def test_a_hierarchy_is_built_once_a_shape() -> None:
     mirrored = thing | {"transform": [{"scale": [-1.0, 1.0, 1.0]}]}
     seen = above(thing, mirrored, thing)
     shapes = {placement.shape for placement in seen.placements}
-    assert len(shapes) == 1 and len(ray_tiles.meshes_of(seen.geometry)) == 2
+    assert len(shapes) == 1 and len(ray_tiles.hierarchies_of(seen.geometry)) == 2
 
 
 def test_left_alone_rounding_decides_and_is_explained() -> None:

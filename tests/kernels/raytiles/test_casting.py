@@ -11,12 +11,12 @@ from hsr.algorithms.prepare import ray_tiles as tiles_of_rays
 from hsr.algorithms.zbuffer import along_the_curve
 from hsr.kernels.hierarchy import INNER
 from hsr.kernels.raytiles import casting
-from hsr.kernels.zbuffer.halfspaces import ERROR, LOOSE, NEARNESS, X, Y, key_depth, nearness_error
-from hsr.kernels.zbuffer.key_buffer import depth_mask, gap_of
+from hsr.kernels.zbuffer.fill import depth_mask, gap_of
+from hsr.kernels.zbuffer.setup import ERROR, NEARNESS, PRECISE, X, Y, key_depth, nearness_error
 from hsr.kernels.zbuffer.tiles import CELL, COLUMNS, LINES
 from tests.conftest import JIT
 from tests.exact.adversarial import adversarial
-from tests.kernels.zbuffer.test_halfspaces import exact_vertices
+from tests.kernels.zbuffer.test_setup import exact_vertices
 
 SEEDS = [seed for seed in range(120 if JIT else 16) if seed % 4]
 
@@ -24,7 +24,7 @@ SEEDS = [seed for seed in range(120 if JIT else 16) if seed % 4]
 def laid_out(seed):
     """Lay out all objects of an adversarial view, and return the view's eye, its meshes, and their place."""
     view = adversarial(seed)
-    world = tiles_of_rays.world_of(view.geometry, tiles_of_rays.meshes_of(view.geometry))
+    world = tiles_of_rays.world_of(view.geometry, tiles_of_rays.hierarchies_of(view.geometry))
     rows = tiles_of_rays.clip_matrices(view)
     eye = tiles_of_rays.eye_of(view, world, rows)
     caster = tiles_of_rays.Caster(view, world, rows, eye, True, (world.faces, None, None))
@@ -43,7 +43,7 @@ def test_projected_vertices_are_within_their_bounds():
         view = adversarial(seed)
         along, (_, place) = exact_vertices(view), along_the_curve(*[view.polygons.vertices] * 2)
         for (x, y, nearness, error), exact in zip(screen, [along[k] for k in place], strict=True):
-            if error <= LOOSE:
+            if error <= PRECISE:
                 assert abs(Fraction(float(x)) - exact[0]) <= error, f"seed {seed}"
                 assert abs(Fraction(float(y)) - exact[1]) <= error, f"seed {seed}"
                 assert abs(Fraction(float(nearness)) - exact[2]) <= nearness_error(nearness, eye)
@@ -71,7 +71,7 @@ def test_the_extent_of_a_node_holds_all_certain_triangles_below_it(share):
             for k in range(len(own)):
                 triangles = member["triangle"] + np.fromiter(below(own, k), np.int64)
                 corners = screen[member["to_screen"] + corner[triangles]]
-                certain = (corners[..., ERROR] <= LOOSE).all(axis=1)
+                certain = (corners[..., ERROR] <= PRECISE).all(axis=1)
                 asked += holds(extent[member["to_extent"] + k], corners[certain], eye)
     assert asked > (40 if JIT else 0)
 
@@ -95,7 +95,7 @@ def holds(extent, corners, eye):
 def test_numbers_are_those_of_the_pieces(seed):
     """The hierarchy turns the fans of mirrored objects as the exact decisions do, and loses no triangle."""
     view = adversarial(seed)
-    meshes = tiles_of_rays.meshes_of(view.geometry)
+    meshes = tiles_of_rays.hierarchies_of(view.geometry)
     for placement in view.placements:
         mesh = meshes[placement.shape, placement.mirrored]
         assert sorted(mesh.number) == list(range(len(mesh.corner)))

@@ -11,7 +11,7 @@ from hsr.algorithms.prepare import quadrics as quadrics
 from hsr.algorithms.prepare import ray_tiles
 from hsr.exact.oracle import truth
 from hsr.kernels.raytiles import curved
-from hsr.kernels.zbuffer.halfspaces import ANYWHERE, FRONT
+from hsr.kernels.zbuffer.setup import ANYWHERE, CLOSEST
 from hsr.problem.view import View, view
 from tests.conftest import JIT
 from tests.exact.hard import scene
@@ -35,7 +35,7 @@ def alone(seed: int) -> tuple[View, str]:
 
 def prepared(seen: View):
     """Return the quadric of a view, and its eye."""
-    world = ray_tiles.world_of(seen.geometry, ray_tiles.meshes_of(seen.geometry))
+    world = ray_tiles.world_of(seen.geometry, ray_tiles.hierarchies_of(seen.geometry))
     eye = ray_tiles.eye_of(seen, world, ray_tiles.clip_matrices(seen))
     box = np.array([[0.0, seen.width, 0.0, seen.height]])
     return quadrics.quadrics_of(seen, np.array([0]), np.array([0]), box, eye)[0], eye
@@ -73,7 +73,7 @@ def test_certain_hits_are_what_is_seen_and_within_their_bounds(share: int) -> No
 def check(nearest, face: int, depth: float, eye) -> int:
     piece, z, error, _ = nearest
     nearness = 1 / Fraction(depth) if eye.perspective else -Fraction(depth)
-    key = FRONT + (Fraction(float(eye.front)) - nearness) * Fraction(float(eye.scale))
+    key = CLOSEST + (Fraction(float(eye.closest)) - nearness) * Fraction(float(eye.scale))
     # The exact depth was rounded once to a float64.
     rounded = abs(nearness) * Fraction(float(eye.scale)) * Fraction(1, 2**52)
     assert piece == face

@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hsr.algorithms.zbuffer import along_the_curve, eye_of, mesh_of
+from hsr.algorithms.zbuffer import along_the_curve, clusters_of, eye_of
 from hsr.kernels.projection import clip_rows
-from hsr.kernels.zbuffer import halfspaces as hs
-from hsr.kernels.zbuffer import tiles
+from hsr.kernels.zbuffer import setup, tiles
 from hsr.problem.view import View
 from tests.conftest import JIT
 from tests.exact.adversarial import adversarial
@@ -23,7 +22,7 @@ SEEDS = range(0, 120 if JIT else 24)
 
 
 def exact_vertices(view: View) -> list[Point | None]:
-    """Pixel x and y and nearness of a mesh's vertices in fractions; None at or behind the eye."""
+    """Pixel x and y and nearness of the vertices of clusters in fractions; None at or behind the eye."""
     rows = [[Fraction(float(x)) for x in row] for row in [*view.clip_from_world[[0, 1, 3]], view.depth_row]]
     found: list[Point | None] = []
     for placement in view.placements:
@@ -39,13 +38,13 @@ def exact_vertices(view: View) -> list[Point | None]:
     return [found[k] for k in along_the_curve(view.polygons.vertices, view.polygons.vertices)[0]]
 
 
-def projected(view: View) -> tuple[Any, hs.Eye, Any]:
-    mesh = mesh_of(view)
-    rows, screen = clip_rows(view.clip_from_world, view.depth_row), np.empty((mesh.vertices.shape[1], 4))
-    eye = eye_of(view, mesh, rows)
-    extent = np.empty((mesh.low.shape[1], 5))
-    tiles.lay_out(mesh.vertices, mesh.low, mesh.high, rows, eye, screen, extent)
-    return mesh, eye, screen
+def projected(view: View) -> tuple[Any, setup.Eye, Any]:
+    clusters = clusters_of(view)
+    rows, screen = clip_rows(view.clip_from_world, view.depth_row), np.empty((clusters.vertices.shape[1], 4))
+    eye = eye_of(view, clusters, rows)
+    extent = np.empty((clusters.low.shape[1], 5))
+    tiles.lay_out(clusters.vertices, clusters.low, clusters.high, rows, eye, screen, extent)
+    return clusters, eye, screen
 
 
 @pytest.mark.parametrize("share", range(4))
@@ -54,11 +53,11 @@ def test_projected_vertices_are_within_their_error(share: int) -> None:
         view = adversarial(seed)
         _, eye, screen = projected(view)
         for exact, (x, y, nearness, error) in zip(exact_vertices(view), screen.tolist(), strict=True):
-            if error > hs.LOOSE:
+            if error > setup.PRECISE:
                 continue
             assert exact is not None, f"seed {seed}: behind the eye, and certain"
             assert abs(Fraction(x) - exact[0]) <= error and abs(Fraction(y) - exact[1]) <= error
-            assert abs(Fraction(nearness) - exact[2]) <= hs.nearness_error(nearness, eye)
+            assert abs(Fraction(nearness) - exact[2]) <= setup.nearness_error(nearness, eye)
 
 
 @pytest.mark.parametrize("perspective", [True, False])
@@ -66,26 +65,28 @@ def test_projected_vertices_are_within_their_error(share: int) -> None:
 def test_what_overflows_may_be_anywhere(perspective: bool, row: int) -> None:
     rows = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1.0]])
     rows[row, :2] = 1e300, -1e300
-    eye = hs.eye_between(perspective, (64.0, 64.0), (np.inf,) * 3, (0.5, 9.0), (0.0, 1.0))
+    eye = setup.eye_between(perspective, (64.0, 64.0), (np.inf,) * 3, (0.5, 9.0), (0.0, 1.0))
     with np.errstate(all="ignore"):
-        assert hs.projected(1e300, 1e300, 0.0, hs.entries(rows), eye)[hs.ERROR] == hs.ANYWHERE
+        assert setup.projected(1e300, 1e300, 0.0, setup.entries(rows), eye)[setup.ERROR] == setup.ANYWHERE
 
 
-def set_up(view: View) -> Iterator[tuple[list[Point], dict[str, float], hs.Eye]]:
+def set_up(view: View) -> Iterator[tuple[list[Point], dict[str, float], setup.Eye]]:
     """Yield the exact corners and the table entry of every triangle that is set up."""
-    mesh, eye, screen = projected(view)
-    exact, table = exact_vertices(view), np.empty(hs.TABLE)
-    names = [name for name in vars(hs) if name.isupper() and isinstance(getattr(hs, name), int)]
+    clusters, eye, screen = projected(view)
+    exact, table = exact_vertices(view), np.empty(setup.TABLE)
+    names = [name for name in vars(setup) if name.isupper() and isinstance(getattr(setup, name), int)]
     parts = {
-        name: getattr(hs, name) for name in names if getattr(hs, name) in range(0, hs.GATHERED, hs.CLUSTER)
+        name: getattr(setup, name)
+        for name in names
+        if getattr(setup, name) in range(0, setup.GATHERED, setup.CLUSTER)
     }
-    for first in range(0, len(mesh.corner), hs.CLUSTER):
-        count = hs.gather(screen, mesh.corner, mesh.cull, first, table)
-        hs.set_up(table, count, eye)
+    for first in range(0, len(clusters.corner), setup.CLUSTER):
+        count = setup.gather(screen, clusters.corner, clusters.cull, first, table)
+        setup.set_up(table, count, eye)
         for i in range(count):
             entry = {name: float(table[part + i]) for name, part in parts.items()}
             if entry["BOTTOM"] > entry["TOP"]:
-                corners = [exact[v] for v in mesh.corner[int(entry["NUMBER"])]]
+                corners = [exact[v] for v in clusters.corner[int(entry["NUMBER"])]]
                 yield [corner for corner in corners if corner is not None], entry, eye
 
 
@@ -97,7 +98,7 @@ def test_edge_functions_and_depths_are_within_their_bounds() -> None:
     assert asked > (1000 if JIT else 100)
 
 
-def check(seed: int, a: Point, b: Point, c: Point, entry: dict[str, float], eye: hs.Eye) -> int:
+def check(seed: int, a: Point, b: Point, c: Point, entry: dict[str, float], eye: setup.Eye) -> int:
     """Compare at the corners of the bounding box."""
     area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
     assert abs(abs(area) - Fraction(entry["AREA"])) <= entry["BOUND"], f"seed {seed}"
@@ -105,7 +106,11 @@ def check(seed: int, a: Point, b: Point, c: Point, entry: dict[str, float], eye:
         return 0
     turn, asked = (1 if area > 0 else -1), 0
     for down in {0.0, entry["BOTTOM"] - entry["TOP"] - 1}:
-        for right in {0.0, entry["RIGHT"] - entry["LEFT"] - 1, entry["RIGHT"] - entry["LEFT"] + hs.LANES - 2}:
+        for right in {
+            0.0,
+            entry["RIGHT"] - entry["LEFT"] - 1,
+            entry["RIGHT"] - entry["LEFT"] + setup.LANES - 2,
+        }:
             x, y = Fraction(entry["LEFT"] + right + 0.5), Fraction(entry["TOP"] + down + 0.5)
             inside = []
             for edge, (p, q) in enumerate(((a, b), (b, c), (c, a))):
@@ -115,7 +120,7 @@ def check(seed: int, a: Point, b: Point, c: Point, entry: dict[str, float], eye:
                 inside.append(exact / abs(area))
             if min(inside) >= 0:
                 nearness = inside[1] * a[2] + inside[2] * b[2] + inside[0] * c[2]
-                exact = hs.FRONT + (Fraction(float(eye.front)) - nearness) * Fraction(float(eye.scale))
+                exact = setup.CLOSEST + (Fraction(float(eye.closest)) - nearness) * Fraction(float(eye.scale))
                 value = entry["Z"] + down * entry["Z_Y"] + right * entry["Z_X"]
                 assert abs(exact - Fraction(value)) <= entry["Z_ERROR"], f"seed {seed}"
             asked += 1

@@ -10,7 +10,7 @@ error of one rounding; constants are rounded up generously, by a factor of two o
 On the screen x runs right and y down, in pixels; sample (row r, column c) is ``(c + 0.5, r + 0.5)``.
 Depth is nearness: 1 / d under perspective, -d in a parallel view, d along the view axis; the greater,
 the nearer; both are affine on the screen for the points of a plane. It is scaled to a *key depth* z
-that grows with distance from :data:`FRONT`, the nearest that may be seen, to :data:`BACK`.
+that grows with distance from :data:`CLOSEST`, the nearest that may be seen, to :data:`FARTHEST`.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ SMALL = 2.0**-969
 """The least normal number, divided by U. A rounding is off by at most U times the magnitude, or U times this
 where it underflows."""
 
-FRONT, BACK = 1.125, 1.875
+CLOSEST, FARTHEST = 1.125, 1.875
 """Key depths of what is nearest and farthest: within [1, 2), where all float64 have one exponent."""
 
 TIE = 2.0**-36
@@ -48,7 +48,7 @@ MOST = float(np.finfo(float).max)
 HUGE = 2.0**900
 """An error of clip coordinates beyond which nothing is certain. Where it is less, these are below 2^949."""
 
-LOOSE = 2.0**-4
+PRECISE = 2.0**-4
 """Greatest error of a projected vertex, in pixels, with which its triangles are set up here."""
 
 X, Y, NEARNESS, ERROR = range(4)
@@ -103,10 +103,10 @@ class Eye(NamedTuple):
         Of the image, in pixels.
     error_x, error_y, error_d : float
         Bounds of the errors of clip coordinates.
-    front, back : float
-        Nearness of what is nearest and farthest.
+    closest, farthest : float
+        Nearness of the nearest and the farthest that may be seen.
     scale : float
-        Key depth is ``FRONT + (front - nearness) * scale``.
+        Key depth is ``CLOSEST + (closest - nearness) * scale``.
     near, far : float
         Key depths of the near and the far plane.
     tie : float
@@ -119,8 +119,8 @@ class Eye(NamedTuple):
     error_x: float
     error_y: float
     error_d: float
-    front: float
-    back: float
+    closest: float
+    farthest: float
     scale: float
     near: float
     far: float
@@ -155,6 +155,7 @@ def eye_around(
     slack : (3,) float64
         By how much points may be off.
     """
+    # Bound what rounding does to each clip coordinate, and what the points may be off.
     error, least, most = np.empty(3), rows[2, 3], rows[2, 3]
     for k in range(3):
         error[k] = 16.0 * U * (abs(rows[k, 3]) + SMALL)
@@ -162,6 +163,8 @@ def eye_around(
             bound = abs(rows[k, axis]) + SMALL
             reach = max(abs(box[0, axis]), abs(box[1, axis]))
             error[k] += 16.0 * U * bound * reach + bound * slack[axis]
+
+    # Find the least and the greatest depth of the box.
     for axis in range(3):
         one, other = rows[2, axis] * box[0, axis], rows[2, axis] * box[1, axis]
         least, most = least + min(one, other), most + max(one, other)
@@ -179,8 +182,6 @@ def eye_between(
 ) -> Eye:
     """Measure a view of which all lies between two depths.
 
-    Where clip coordinates come near to overflow, nothing is certain: all is decided exactly.
-
     Parameters
     ----------
     perspective : bool
@@ -192,28 +193,28 @@ def eye_between(
         Depths in scene units, and so are the following.
     seen : (least, most)
     """
-    error_x, error_y, error_d = error
+    # Where clip coordinates come near to overflow, be certain of nothing.
+    x, y, d = error
     least, most = seen
-    if not (error_x < HUGE and error_y < HUGE and error_d < HUGE):
-        error_x, error_y, error_d = MOST, MOST, MOST
+    if not (x < HUGE and y < HUGE and d < HUGE):
+        x, y, d = MOST, MOST, MOST
         least, most = limits[0], min(limits[1], MOST)
-    near, far = nearness_at(limits[0], perspective), nearness_at(limits[1], perspective)
-    closest = min(max(least, limits[0]), limits[1])
-    front = nearness_at(closest, perspective)
-    back = nearness_at(max(min(most, limits[1]), closest), perspective)
+
+    # Find the nearness of the nearest and the farthest that may be seen.
     width, height = size
-    eye = Eye(perspective, width, height, error_x, error_y, error_d, front, back, 0.0, 0.0, 0.0, 0.0)
+    least = min(max(least, limits[0]), limits[1])
+    closest = nearness_at(least, perspective)
+    farthest = nearness_at(max(min(most, limits[1]), least), perspective)
+    eye = Eye(perspective, width, height, x, y, d, closest, farthest, 0.0, 0.0, 0.0, 0.0)
 
     # Spread key depths over what may be seen, but not over less than can be told apart.
-    slack = nearness_error(front, eye)
-    apart = max(max(front - back, 2.0**-12 * max(abs(front), abs(back))), max(slack, TINY))
-    scale = (BACK - FRONT) / min(apart, 1.0 / TINY)
+    slack = nearness_error(closest, eye)
+    apart = max(max(closest - farthest, 2.0**-12 * max(abs(closest), abs(farthest))), max(slack, TINY))
+    scale = (FARTHEST - CLOSEST) / min(apart, 1.0 / TINY)
     tie = min(max(TIE, 4.0 * slack * scale), COARSE)
-    eye = Eye(perspective, width, height, error_x, error_y, error_d, front, back, scale, 0.0, 0.0, tie)
-    near_key, far_key = key_depth(near, eye), key_depth(far, eye)
-    return Eye(
-        perspective, width, height, error_x, error_y, error_d, front, back, scale, near_key, far_key, tie
-    )
+    near = CLOSEST + (closest - nearness_at(limits[0], perspective)) * scale
+    far = CLOSEST + (closest - nearness_at(limits[1], perspective)) * scale
+    return Eye(perspective, width, height, x, y, d, closest, farthest, scale, near, far, tie)
 
 
 @jit
@@ -253,8 +254,9 @@ def project(
     Returns
     -------
     int
-        How many are not certain within ``LOOSE``.
+        How many are not certain within ``PRECISE``.
     """
+    # Project them side by side.
     count, start, uncertain = np.uintp(end - first), np.uintp(first), 0
     parts = np.empty(4 * SIDE_BY_SIDE)
     for i in range(count):
@@ -262,7 +264,9 @@ def project(
         x, y, nearness, error = projected(px, py, pz, matrix, eye)
         parts[i], parts[SIDE_BY_SIDE + i] = x, y
         parts[2 * SIDE_BY_SIDE + i], parts[3 * SIDE_BY_SIDE + i] = nearness, error
-        uncertain += not error <= LOOSE
+        uncertain += not error <= PRECISE
+
+    # Turn the four parts into one row for each vertex.
     for i in range(count):
         for k in range(np.uintp(4)):
             screen[np.uintp(target) + i, k] = parts[np.uintp(SIDE_BY_SIDE) * k + i]
@@ -271,19 +275,17 @@ def project(
 
 @jit
 def projected(px: float, py: float, pz: float, matrix: Matrix, eye: Eye) -> tuple[float, float, float, float]:
-    """Return X to ERROR of a point.
-
-    To first order x / d is off by (error_x + |x / d| error_d) / d and two roundings; scaling it to the
-    image rounds twice more numbers of at most |x / d| + 1. The width taken whole instead of
-    half doubles that, which covers the higher orders if error_d is less than half of d. What overflows may be
-    anywhere.
-    """
+    """Return X to ERROR of a point."""
     x = matrix[0] * px + matrix[1] * py + matrix[2] * pz + matrix[3]
     y = matrix[4] * px + matrix[5] * py + matrix[6] * pz + matrix[7]
     d = matrix[8] * px + matrix[9] * py + matrix[10] * pz + matrix[11]
     w = (1.0 / d if d != 0.0 else 0.0) if eye.perspective else 1.0
     nearness, error_w = (w, eye.error_d) if eye.perspective else (-d, 0.0)
     x, y = x * w, y * w
+
+    # To first order x / d is off by (error_x + |x / d| error_d) / d and two roundings; scaling it to the
+    # image rounds twice more numbers of at most |x / d| + 1. The width taken whole instead of half doubles
+    # that, which covers the higher orders if error_d is less than half of d. What overflows may be anywhere.
     error_x = (eye.error_x + abs(x) * error_w) * w + 4.0 * U * (abs(x) + 1.0)
     error_y = (eye.error_y + abs(y) * error_w) * w + 4.0 * U * (abs(y) + 1.0)
     error = max(error_x * eye.width, error_y * eye.height)
@@ -299,12 +301,10 @@ def projected(px: float, py: float, pz: float, matrix: Matrix, eye: Eye) -> tupl
 
 @jit
 def nearness_error(nearness: float, eye: Eye) -> float:
-    """Bound the error of a vertex's nearness.
-
-    1 / d is off by error_d / d^2 to first order, twice that if error_d is less than half of d, and by two
-    roundings.
-    """
+    """Bound the error of a vertex's nearness."""
     if eye.perspective:
+        # 1 / d is off by error_d / d^2 to first order, twice that if error_d is less than half of d, and by
+        # two roundings.
         return nearness * (2.0 * nearness * eye.error_d + 2.0 * U)
     return eye.error_d
 
@@ -312,7 +312,7 @@ def nearness_error(nearness: float, eye: Eye) -> float:
 @jit
 def key_depth(nearness: float, eye: Eye) -> float:
     """Return the key depth of a nearness."""
-    return FRONT + (eye.front - nearness) * eye.scale
+    return CLOSEST + (eye.closest - nearness) * eye.scale
 
 
 @jit
@@ -364,23 +364,11 @@ def set_up(table: Floats, count: int, eye: Eye) -> None:
     ----------
     table : (TABLE,) float64
         Receives the other parts. Left out is what is culled, beyond near or far, beside the image, and what
-        has a corner that is not certain within ``LOOSE``. Where AREA is not above BOUND, a triangle may be
+        has a corner that is not certain within ``PRECISE``. Where AREA is not above BOUND, a triangle may be
         edge-on, or turned the other way; such are not culled.
     count : int
         How many triangles there are.
     eye : Eye
-
-    Notes
-    -----
-    Let w and h be the width and height of the triangle, and t the error of its corners. Moving them by t
-    changes an edge function, a sum of two products of differences, by at most 3 t (w + h) + 4 t^2, and t
-    is at most ``LOOSE``; its roundings add up to less than 16 u w h. Both with a margin for the
-    samples beside the bounding box that are tested together with those within.
-
-    A point in a triangle is a mean of its corners, whatever they are exactly. So moving the corners by t
-    moves the depth there by at most t (|z_x| + |z_y|), and the errors of their depths count as they are.
-    Rounding changes the area by at most 4 u w h, and z_x, z_y by that relative to the area, and as much again
-    for the numerators, products of h or w and a difference of depths, which is at most w |z_x| + h |z_y|.
     """
     for i in range(np.uintp(count)):
         ax, ay = table[GATHERED + i], table[GATHERED + CLUSTER + i]
@@ -408,6 +396,11 @@ def set_up(table: Floats, count: int, eye: Eye) -> None:
         table[E2 + i] = turn * (wx * (y - cy) - wy * (x - cx))
         table[ACROSS0 + i], table[ACROSS1 + i], table[ACROSS2 + i] = -turn * uy, -turn * vy, -turn * wy
         table[BELOW0 + i], table[BELOW1 + i], table[BELOW2 + i] = turn * ux, turn * vx, turn * wx
+
+        # Bound the error of the edge functions. Moving the corners by t changes one, a sum of two products of
+        # differences, by at most 3 t (w + h) + 4 t^2, and t is at most PRECISE; its roundings add up to less
+        # than 16 u w h. Both with a margin for the samples beside the bounding box that are tested together
+        # with those within.
         w, h = most_x - least_x, most_y - least_y
         bound = 4.0 * t * (w + h + 20.0) + 32.0 * U * (w + 18.0) * (h + 2.0)
         table[BOUND + i], table[AREA + i] = bound, turn * area
@@ -418,6 +411,12 @@ def set_up(table: Floats, count: int, eye: Eye) -> None:
         z_x, z_y = (uy * wz - wy * uz) * per_area, (wx * uz - ux * wz) * per_area
         table[Z + i] = key_depth(az, eye) + ((x - ax) * z_x + (y - ay) * z_y)
         table[Z_X + i], table[Z_Y + i] = z_x, z_y
+
+        # Bound the error of depth. A point in a triangle is a mean of its corners, whatever they are exactly.
+        # So moving the corners by t moves the depth there by at most t (|z_x| + |z_y|), and the errors of
+        # their depths count as they are. Rounding changes the area by at most 4 u w h, and z_x, z_y by that
+        # relative to the area, and as much again for the numerators, products of h or w and a difference of
+        # depths, which is at most w |z_x| + h |z_y|.
         nearest, farthest = max(max(az, bz), cz), min(min(az, bz), cz)
         slack = nearness_error(nearest, eye) * eye.scale
         range_of_z = w * abs(z_x) + h * abs(z_y)
@@ -432,6 +431,6 @@ def set_up(table: Floats, count: int, eye: Eye) -> None:
         table[NEAREST + i] = least_z
         table[CUT + i] = 1.0 if (least_z < eye.near) | (most_z > eye.far) else 0.0
         culled = (table[CULL + i] == (CULL_FRONT if area < 0.0 else CULL_BACK)) & (abs(area) > bound)
-        shown = (t <= LOOSE) & (least_z <= eye.far) & (most_z >= eye.near) & (left < right)
+        shown = (t <= PRECISE) & (least_z <= eye.far) & (most_z >= eye.near) & (left < right)
         table[LEFT + i], table[RIGHT + i], table[TOP + i] = left, right, top
         table[BOTTOM + i] = bottom if shown & ~culled else top

@@ -21,7 +21,7 @@ import numpy as np
 
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.jit import jit, parallel_jit, prange
-from hsr.kernels.zbuffer.halfspaces import CLUSTER, CULL_BACK, CULL_FRONT, U
+from hsr.kernels.zbuffer.setup import CLUSTER, CULL_BACK, CULL_FRONT, U
 
 MODEST = 2.0**200
 """Entries of matrices above this leave all sides uncertain: products of three stay far from overflow."""
@@ -44,12 +44,6 @@ def normal_boxes(vertices: Floats, corner: Ints, slack: Floats, low: Floats, hig
         By how much the vertices may be off.
     low, high : (3, clusters) float64
         Receive the corners; infinite where some normal is not certain.
-
-    Notes
-    -----
-    With sides of at most u and v in any coordinate and s the slack, a coordinate of the normal, a difference
-    of two products of differences, is off by at most 4 s (u + v) + 8 s^2 and by roundings of 8 U u v. Both
-    are doubled. By what number it is scaled makes no difference to any sign.
     """
     s = max(max(slack[0], slack[1]), slack[2])
     for k in prange(low.shape[1]):
@@ -61,6 +55,10 @@ def normal_boxes(vertices: Floats, corner: Ints, slack: Floats, low: Floats, hig
                 side_of(vertices, corner[i, 0], corner[i, 2]),
             )
             normal, _ = cross(one, other)
+
+            # With sides of at most u and v in any coordinate and s the slack, a coordinate of the normal, a
+            # difference of two products of differences, is off by at most 4 s (u + v) + 8 s^2 and by
+            # roundings of 8 U u v. Both are doubled. By what it is scaled makes no difference to any sign.
             length = np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
             u, v = greatest(one), greatest(other)
             error = 8.0 * s * (u + v) + 16.0 * s * s + 16.0 * U * u * v
@@ -91,12 +89,8 @@ def cross(a: Vector, b: Vector) -> tuple[Vector, Vector]:
 
 
 @jit
-def sight_of(perspective: bool, rows: Floats) -> tuple[Floats, Floats]:
-    """Return by what a view looks at points.
-
-    The rows were divided once, and depth is taken for w: each entry is off by at most 4 U of itself. A
-    product of three is off by at most 12 U more, and by three roundings; six of them are summed. All less
-    than 32 U of the sum of the magnitudes.
+def determinant_of(perspective: bool, rows: Floats) -> tuple[Floats, Floats]:
+    """Return what makes the determinant of a triangle from its normal and a corner.
 
     Parameters
     ----------
@@ -106,37 +100,41 @@ def sight_of(perspective: bool, rows: Floats) -> tuple[Floats, Floats]:
 
     Returns
     -------
-    sight : (4,) float64
+    form : (4,) float64
         q and det.
     error : (4,) float64
         Bounds of their errors.
     """
-    sight, size = np.zeros(4), np.zeros(4)
-    x, y, d = row_of(rows, 0), row_of(rows, 1), row_of(rows, 2)
+    form, size = np.zeros(4), np.zeros(4)
+    x, y, d = three_of(rows, 0), three_of(rows, 1), three_of(rows, 2)
     if not perspective:
-        add(sight, size, 1.0, x, y)
+        add(form, size, 1.0, x, y)
     else:
-        add(sight, size, rows[0, 3], y, d)
-        add(sight, size, rows[1, 3], d, x)
-        add(sight, size, rows[2, 3], x, y)
+        add(form, size, rows[0, 3], y, d)
+        add(form, size, rows[1, 3], d, x)
+        add(form, size, rows[2, 3], x, y)
         across, across_size = cross(y, d)
         for k in range(3):
-            sight[3] += x[k] * across[k]
+            form[3] += x[k] * across[k]
             size[3] += abs(x[k]) * across_size[k]
-    return sight, (32.0 * U if np.abs(rows).max() < MODEST else np.inf) * size + LEAST
+
+    # The rows were divided once, and depth is taken for w: each entry is off by at most 4 U of itself. A
+    # product of three is off by at most 12 U more, and by three roundings; six of them are summed. All less
+    # than 32 U of the sum of the magnitudes.
+    return form, (32.0 * U if np.abs(rows).max() < MODEST else np.inf) * size + LEAST
 
 
 @jit
-def add(sight: Floats, size: Floats, factor: float, a: Vector, b: Vector) -> None:
+def add(form: Floats, size: Floats, factor: float, a: Vector, b: Vector) -> None:
     """Add a multiple of a cross product to q."""
     product, product_size = cross(a, b)
     for k in range(3):
-        sight[k] += factor * product[k]
+        form[k] += factor * product[k]
         size[k] += abs(factor) * product_size[k]
 
 
 @jit
-def row_of(rows: Floats, k: int) -> Vector:
+def three_of(rows: Floats, k: int) -> Vector:
     """Return the first three entries of a row."""
     return rows[k, 0], rows[k, 1], rows[k, 2]
 
@@ -147,7 +145,7 @@ def leave_out(
     normals: tuple[Floats, Floats],
     cull: Array,
     slack: Floats,
-    sight: tuple[Floats, Floats],
+    form: tuple[Floats, Floats],
     extent: Floats,
 ) -> None:
     """Empty the extents of clusters of which every triangle is certainly culled.
@@ -162,14 +160,15 @@ def leave_out(
         What all triangles of each cull; 0 if they differ.
     slack : (3,) float64
         By how much points may be off.
-    sight : (sight, error)
-        See :func:`sight_of`.
+    form : (form, error)
+        See :func:`determinant_of`.
     extent : (n, 5) float64
         First and end column, first and end line, and least key depth of the clusters.
     """
-    (along, off), det = sight, sight[0][3]
+    (along, off), det = form, form[0][3]
     for k in range(len(cull)):
         least, most = 0.0, 0.0
+        # Sum up, axis by axis, between what the determinants of the cluster's triangles lie.
         for axis in range(3):
             low, high = boxes[0][axis, k], boxes[1][axis, k]
             size = max(abs(low), abs(high)) + slack[axis]
@@ -186,5 +185,7 @@ def leave_out(
             rounding = 8.0 * U * max(abs(n), abs(m)) * max(abs(near), abs(far))
             least += min(min(n * near, n * far), min(m * near, m * far)) - rounding
             most += max(max(n * near, n * far), max(m * near, m * far)) + rounding
+
+        # Empty the extent if all have the sign of what is culled.
         if (cull[k] == CULL_BACK and most < 0.0) or (cull[k] == CULL_FRONT and least > 0.0):
             extent[k, 1] = extent[k, 0]

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import hsr
-from hsr.algorithms.zbuffer import mesh_of
+from hsr.algorithms.zbuffer import clusters_of
 from hsr.kernels.projection import clip_rows
-from hsr.kernels.zbuffer import clusters
+from hsr.kernels.zbuffer import facing
 from hsr.problem.view import CULL, View
 from tests.conftest import JIT
 
@@ -24,11 +24,16 @@ def culled(view: View, cull: str) -> View:
 
 def left_out(view: View) -> Any:
     """Which clusters of a view are left out."""
-    mesh, extent = mesh_of(view), np.tile([0.0, 1.0, 0.0, 1.0, 1.5], (mesh_of(view).low.shape[1], 1))
-    assert mesh.normals is not None
-    sight = clusters.sight_of(view.perspective, clip_rows(view.clip_from_world, view.depth_row))
+    clusters, extent = (
+        clusters_of(view),
+        np.tile([0.0, 1.0, 0.0, 1.0, 1.5], (clusters_of(view).low.shape[1], 1)),
+    )
+    assert clusters.normals is not None
+    form = facing.determinant_of(view.perspective, clip_rows(view.clip_from_world, view.depth_row))
     with np.errstate(all="ignore"):
-        clusters.leave_out((mesh.low, mesh.high), mesh.normals, mesh.culls, mesh.slack, sight, extent)
+        facing.leave_out(
+            (clusters.low, clusters.high), clusters.normals, clusters.culls, clusters.slack, form, extent
+        )
     return extent[:, 1] <= extent[:, 0]
 
 
@@ -104,12 +109,12 @@ def test_of_a_ball_much_is_left_out(cull: str, camera: str) -> None:
 
 def test_clusters_of_both_kinds_are_looked_into() -> None:
     view = culled(patch(3), "back")
-    mixed = mesh_of(view)._replace(culls=np.zeros(len(mesh_of(view).culls), np.int8))
+    mixed = clusters_of(view)._replace(culls=np.zeros(len(clusters_of(view).culls), np.int8))
     extent = np.ones((len(mixed.culls), 5))
     extent[:, 0] = 0.0
-    sight = clusters.sight_of(view.perspective, clip_rows(view.clip_from_world, view.depth_row))
+    form = facing.determinant_of(view.perspective, clip_rows(view.clip_from_world, view.depth_row))
     assert mixed.normals is not None
-    clusters.leave_out((mixed.low, mixed.high), mixed.normals, mixed.culls, mixed.slack, sight, extent)
+    facing.leave_out((mixed.low, mixed.high), mixed.normals, mixed.culls, mixed.slack, form, extent)
     assert (extent[:, 1] == 1.0).all()
 
 
@@ -118,7 +123,7 @@ def test_normals_that_are_not_certain_bound_nothing() -> None:
     for scale in (1.0, 1e200, 1e-200):
         low, high = np.empty((3, 1)), np.empty((3, 1))
         with np.errstate(all="ignore"):
-            clusters.normal_boxes(scale * vertices, np.array([[0, 1, 2]], np.int32), np.zeros(3), low, high)
+            facing.normal_boxes(scale * vertices, np.array([[0, 1, 2]], np.int32), np.zeros(3), low, high)
         assert (low == -np.inf).all() and (high == np.inf).all()
 
 
@@ -126,15 +131,15 @@ def test_normals_that_are_not_certain_bound_nothing() -> None:
 def test_what_is_within_an_error_stays(height: float, out: bool) -> None:
     """A triangle that looks up, at a height seen from the origin; its corners may be off by 1e-9."""
     place, up = np.array([[0.0], [height], [-5.0]]), np.array([[0.0], [1.0], [0.0]])
-    sight, extent = (np.array([0.0, 0.0, 0.0, 1.0]), np.zeros(4)), np.array([[0.0, 1.0, 0.0, 1.0, 1.5]])
+    form, extent = (np.array([0.0, 0.0, 0.0, 1.0]), np.zeros(4)), np.array([[0.0, 1.0, 0.0, 1.0, 1.5]])
     front = np.array([CULL["front"]], np.int8)
-    clusters.leave_out((place, place), (up, up), front, np.full(3, 1e-9), sight, extent)
+    facing.leave_out((place, place), (up, up), front, np.full(3, 1e-9), form, extent)
     assert (extent[0, 1] == 0.0) == out
 
 
 def test_normals_are_as_uncertain_as_the_corners() -> None:
     vertices = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
     low, high = np.empty((3, 1)), np.empty((3, 1))
-    clusters.normal_boxes(vertices, np.array([[0, 1, 2]], np.int32), np.full(3, 1e-9), low, high)
+    facing.normal_boxes(vertices, np.array([[0, 1, 2]], np.int32), np.full(3, 1e-9), low, high)
     normal = np.array([[0.0], [0.0], [1.0]])
     assert (low <= normal - 1e-9).all() and (high >= normal + 1e-9).all() and (high - low < 1e-7).all()

@@ -1,14 +1,11 @@
-"""Depth buffers of keys, and what they leave in doubt.
+"""Depth buffers of keys: where triangles certainly are, the nearest, and its reading out.
 
 Depth and owner of a sample share one integer of 63 bits, the *key*: depth in the upper bits, the number of
 the triangle in the lower ones. The nearest triangle has the least key, and one minimum does the depth test
 and both writes. Sixteen samples of a scan line are tested at once.
 
-What float64 cannot decide is not decided here. Only certain coverage enters the keys. A sample on an edge,
-within the error of the edge functions, or two depths within their error, is a *doubt*: every triangle that
-might own the sample is written down, unless something certain is certainly nearer. So at a sample without
-doubts the key is right, and at one with doubts the owner is among what was written down. The order in which
-triangles come leaves no trace.
+What float64 cannot decide is not decided here: only certain coverage enters the keys, and the rest is
+noted and settled afterwards (:mod:`hsr.kernels.zbuffer.settle`).
 """
 
 from __future__ import annotations
@@ -19,7 +16,7 @@ import numpy as np
 
 from hsr.base.arrays import Array, Floats
 from hsr.base.jit import inline_jit, jit
-from hsr.kernels.zbuffer.halfspaces import (
+from hsr.kernels.zbuffer.setup import (
     ACROSS0,
     ACROSS1,
     ACROSS2,
@@ -29,13 +26,12 @@ from hsr.kernels.zbuffer.halfspaces import (
     BELOW2,
     BOTTOM,
     BOUND,
+    CLOSEST,
     E0,
     E1,
     E2,
-    FRONT,
     LANES,
     LEFT,
-    NEAREST,
     NUMBER,
     RIGHT,
     TOP,
@@ -58,13 +54,10 @@ ONE = np.float64(1.0).view(np.int64)
 WIDE = 3 * LANES
 """From this width on, the samples of a scan line that a triangle can cover are worked out first."""
 
-DOUBT = np.dtype([("sample", np.int64), ("key", np.int64), ("sure", np.bool_)])
-"""A triangle that may own a sample, by its key; whether it certainly covers it."""
+TRIANGLES = 1
+"""Column of the counts: triangles drawn."""
 
-USED, TRIANGLES = 0, 1
-"""Columns of the counts: doubts written down, whether or not there was room; triangles drawn."""
-
-Row = tuple[float, float, float, float, float, float, float, float]
+OnLine = tuple[float, float, float, float, float, float, float, float]
 """A triangle on a scan line: three edge functions and the key depth at the first sample of its bounding box,
 each with its growth from sample to sample."""
 
@@ -171,23 +164,22 @@ def fill(
     Returns
     -------
     bool
-        Whether it has doubts, see :func:`note`.
+        Whether it has doubts, see :func:`hsr.kernels.zbuffer.settle.note`.
     """
     left, top = int(table[LEFT + i]), int(table[TOP + i])
     begin, end = columns_of(table, i, keys, window)
     bound = 0.0 if certify is None else table[BOUND + i]
-    mask, gap, number = (
-        window.mask,
-        np.int64(0) if certify is None else window.gap,
-        int(table[NUMBER + i]),
-    )
-    doubtful = False
+    gap = np.int64(0) if certify is None else window.gap
+    mask, number, doubtful = window.mask, int(table[NUMBER + i]), False
     for line in range(max(top, window.line), min(int(table[BOTTOM + i]), window.line + len(keys))):
+        # Find the part of the line that the triangle can cover.
         row = row_of(table, i, float(line - top))
         here = keys[line - window.line]
         first, last = begin, end
         if end - begin > WIDE:
             first, last = span_of(row, bound, left, begin, end)
+
+        # Keep the lesser key wherever the triangle is certainly inside, LANES samples at once.
         for start in range(first, last, LANES):
             here_doubtful = False
             for lane in range(LANES):
@@ -211,7 +203,7 @@ def columns_of(table: Floats, i: int, keys: Array, window: Window) -> tuple[int,
 
 
 @jit
-def row_of(table: Floats, i: int, down: float) -> Row:
+def row_of(table: Floats, i: int, down: float) -> OnLine:
     """Return a triangle on the scan line that is ``down`` below the first of its bounding box."""
     return (
         table[E0 + i] + down * table[BELOW0 + i],
@@ -226,7 +218,7 @@ def row_of(table: Floats, i: int, down: float) -> Row:
 
 
 @jit
-def at(row: Row, right: float, limits: Limits | None) -> tuple[float, float]:
+def at(row: OnLine, right: float, limits: Limits | None) -> tuple[float, float]:
     """Return the least of what must be positive inside, and the key depth."""
     inner = min(min(row[0] + right * row[1], row[2] + right * row[3]), row[4] + right * row[5])
     z = row[6] + right * row[7]
@@ -236,12 +228,10 @@ def at(row: Row, right: float, limits: Limits | None) -> tuple[float, float]:
 
 
 @jit
-def span_of(row: Row, bound: float, left: int, begin: int, end: int) -> tuple[int, int]:
-    """Return the columns from begin to end at which no edge function is below ``-bound``.
-
-    An edge function ``e + right * across`` is, on one side of ``-(e + bound) / across``. The quotient is off
-    by a few ulp, less than a sample within any image; one sample is added at either end.
-    """
+def span_of(row: OnLine, bound: float, left: int, begin: int, end: int) -> tuple[int, int]:
+    """Return the columns from begin to end at which no edge function is below ``-bound``."""
+    # An edge function e + right * across is, on one side of -(e + bound) / across. The quotient is off by a
+    # few ulp, less than a sample within any image; one sample is added at either end.
     low, high = float(begin - left), float(end - left)
     for edge in range(3):
         e, across = (row[0], row[1]) if edge == 0 else (row[2], row[3]) if edge == 1 else (row[4], row[5])
@@ -253,89 +243,6 @@ def span_of(row: Row, bound: float, left: int, begin: int, end: int) -> tuple[in
             high = low
     low = min(low, float(end - left))
     return left + int(low), left + int(max(high, low))
-
-
-@jit
-def note(
-    table: Floats, i: int, keys: Array, window: Window, limits: Limits | None, doubts: Array, counts: Array
-) -> None:
-    """Write down the doubts of a triangle that has just been taken into the keys.
-
-    What it ties with need not be written down: either the keys still show it in the end, see :func:`settle`,
-    or it is certainly hidden.
-    """
-    left, top, bound = int(table[LEFT + i]), int(table[TOP + i]), table[BOUND + i]
-    begin, end = columns_of(table, i, keys, window)
-    gap, number = window.gap, int(table[NUMBER + i])
-    for line in range(max(top, window.line), min(int(table[BOTTOM + i]), window.line + len(keys))):
-        row = row_of(table, i, float(line - top))
-        for column in range(begin, end):
-            inner, z = at(row, float(column - left), limits)
-            key, old = key_of(z, window.mask, number), keys[line - window.line, column - window.column]
-            sample = line * window.width + column
-            if abs(inner) < bound:
-                if not is_farther(key, old, gap):
-                    write(doubts, counts, sample, key, False)
-            elif inner >= bound and key != old and abs(old - key) <= gap:
-                write(doubts, counts, sample, key, True)
-
-
-@jit
-def suspect(table: Floats, i: int, keys: Array, window: Window, doubts: Array, counts: Array) -> None:
-    """Write down a triangle of which little is certain wherever it may be.
-
-    It may be turned either way, and is taken to be as near as its nearest corner.
-    """
-    left, top, bound = int(table[LEFT + i]), int(table[TOP + i]), table[BOUND + i]
-    begin, end = columns_of(table, i, keys, window)
-    key = key_of(max(table[NEAREST + i], 1.0), window.mask, int(table[NUMBER + i]))
-    for line in range(max(top, window.line), min(int(table[BOTTOM + i]), window.line + len(keys))):
-        row = row_of(table, i, float(line - top))
-        for column in range(begin, end):
-            right = float(column - left)
-            e0, e1, e2 = row[0] + right * row[1], row[2] + right * row[3], row[4] + right * row[5]
-            may_cover = min(min(e0, e1), e2) > -bound or max(max(e0, e1), e2) < bound
-            if may_cover and not is_farther(
-                key, keys[line - window.line, column - window.column], window.gap
-            ):
-                write(doubts, counts, line * window.width + column, key, False)
-
-
-@jit
-def is_farther(key: int, old: int, gap: int) -> bool:
-    """Whether a key is certainly farther than what is there."""
-    return bool(key - old > gap)
-
-
-@jit
-def write(doubts: Array, counts: Array, sample: int, key: int, sure: bool) -> None:
-    """Write down one doubt, if there is room."""
-    if counts[USED] < len(doubts):
-        doubt = doubts[counts[USED]]
-        doubt["sample"], doubt["key"], doubt["sure"] = sample, key, sure
-    counts[USED] += 1
-
-
-@jit
-def settle(keys: Array, window: Window, doubts: Array, counts: Array) -> None:
-    """Forget doubts about what is certainly hidden; where some are left, add what the keys show."""
-    if counts[USED] > len(doubts):
-        return
-    kept = 0
-    for k in range(counts[USED]):
-        doubt = doubts[k]
-        line, column = divmod(doubt["sample"], window.width)
-        if not is_farther(doubt["key"], keys[line - window.line, column - window.column], window.gap):
-            left = doubts[kept]
-            left["sample"], left["key"], left["sure"] = doubt["sample"], doubt["key"], doubt["sure"]
-            kept += 1
-    counts[USED] = kept
-    for k in range(kept):
-        sample = doubts[k]["sample"]
-        line, column = divmod(sample, window.width)
-        key = keys[line - window.line, column - window.column]
-        if key != EMPTY:
-            write(doubts, counts, sample, key, True)
 
 
 # ---------------------------------------------------------------- reading out
@@ -366,11 +273,15 @@ def read_out(
     first, end, left = np.uintp(box[2]), np.uintp(box[3]), np.uintp(window.column)
     for line in range(box[0], box[1]):
         here, faces_here, depths_here = keys[line], face[window.line + line], depth[window.line + line]
+
+        # Turn keys into depths.
         for column in range(first, end):
             key = here[column]
-            nearness = max(eye.front - (depth_of(key & window.mask) + half - FRONT) * step, eye.back)
+            nearness = max(eye.closest - (depth_of(key & window.mask) + half - CLOSEST) * step, eye.farthest)
             seen = 1.0 / nearness if eye.perspective else -nearness
             depths_here[left + column] = seen if key != EMPTY else np.inf
+
+        # Turn keys into faces.
         for column in range(first, end):
             key = here[column]
             owner = faces[np.uintp(key & ~window.mask)] if key != EMPTY else np.int32(-1)
