@@ -39,8 +39,8 @@ TESTS = {
     "woop": triangle_tests.WOOP,
 }
 
-SOLIDS = (Kind.CUBE, Kind.POLYHEDRON)
-"""The shapes that are cut out by the planes of their faces."""
+SOLIDS = (Kind.CUBE, Kind.POLYHEDRON, Kind.QUADRIC)
+"""The shapes that are cut out by planes, and by an equation."""
 
 COUNTED = ("rays", "nodes visited", "extent tests", "face tests", "hits")
 """Names of the work counts, in the order of the kernels."""
@@ -249,7 +249,7 @@ def _shapes(view: View) -> _Shapes:
 def _joined_shapes(geometry: Geometry) -> _Shapes:
     """Join the data of all shapes, with indices that count from the start of the joint arrays."""
     distinct = dict.fromkeys(one.shape for one in geometry)
-    planes = {shape: _planes_of(_polygons(shape)) for shape in distinct if shape.kind in SOLIDS}
+    planes = {shape: _rows_of(shape) for shape in distinct if shape.kind in SOLIDS}
     meshes = {shape: _mesh_of(shape) for shape in distinct if shape.kind == Kind.MESH}
     # From shape to where its data begin: planes or triangles (and their end), vertices, nodes.
     places: dict[Shape, dict[str, int]] = {shape: {} for shape in distinct}
@@ -283,7 +283,7 @@ def _objects_of(geometry: Geometry, places: dict[Shape, dict[str, int]], nodes: 
 def _described(shape: Shape, place: dict[str, int], nodes: Array) -> Array:
     """Return an ``OBJECT`` (1,) with all that depends on the shape alone."""
     described = np.zeros(1, rays.OBJECT)
-    described["kind"] = shape.kind
+    described["kind"], described["faces"] = shape.kind, shape.faces
     if shape.kind == Kind.MESH:
         described["low"], described["high"] = nodes[place["root"]]["low"], nodes[place["root"]]["high"]
     else:
@@ -315,6 +315,14 @@ def _moved(mesh: _Mesh, place: dict[str, int]) -> _Mesh:
 def _joined(parts: list[Array], empty: Array) -> Array:
     """Concatenate arrays; a single one is not copied."""
     return parts[0] if len(parts) == 1 else np.concatenate([empty, *parts])
+
+
+def _rows_of(shape: Shape) -> Floats:
+    """Return the planes (n, m) that cut out a solid, behind the four rows of its equation if it has one."""
+    if shape.quadric is None:
+        return _planes_of(_polygons(shape))
+    outward = shape.quadric.ends.astype(np.float64) * [-1.0, -1.0, -1.0, 1.0]
+    return np.vstack([shape.quadric.rounded, outward])
 
 
 def _planes_of(polygons: Polygons) -> Floats:

@@ -31,10 +31,11 @@ from hsr.kernels.hits import (
     sphere_span,
     square_hit,
 )
+from hsr.kernels.quadric import quadric_span
 from hsr.kernels.triangle_tests import MISS, SCREEN, triangle_at
 from hsr.kernels.vectors import Vector, like, point
 
-SQUARE, CUBE, POLYHEDRON, SPHERE, CYLINDER, MESH, WORLD = range(7)
+SQUARE, CUBE, POLYHEDRON, SPHERE, CYLINDER, MESH, QUADRIC, WORLD = range(8)
 """The kinds of shapes, and the world."""
 
 LIST, EXTENTS, HIERARCHY = range(3)
@@ -64,6 +65,7 @@ OBJECT = np.dtype(
         ("first_face", np.int32),
         ("cull", np.int32),
         ("mirrored", np.bool_),
+        ("faces", np.int32),
         ("start", np.int64),
         ("end", np.int64),
         ("root", np.int64),
@@ -78,7 +80,8 @@ OBJECT = np.dtype(
 """One object of the list.
 
 mirrored : whether the front of a mesh triangle is where it runs clockwise on the screen.
-start, end : rows of its planes (cube, polyhedron) or of its triangles (mesh).
+faces : how many it has.
+start, end : rows of its planes (cube, polyhedron; behind those of its form: quadric) or triangles (mesh).
 root : row of the root of a mesh's nodes.
 screen : from object space to column, row and depth; see ``corner_of``.
 origin, direction : the ray of sample (x, y) in object space is ``origin @ (1, x, y)``, ``direction @
@@ -101,8 +104,8 @@ class Data(NamedTuple):
     ----------
     objects : (n,) OBJECT
     planes : (P, 4) float64 or float32
-        Of all polyhedra: inside is ``n . p <= m`` for each row (n, m). Their type is that of the
-        arithmetic of all generic shapes.
+        Of all polyhedra: inside is ``n . p <= m`` for each row (n, m). Of all quadrics, see
+        ``quadric_span``. Their type is that of the arithmetic of all generic shapes.
     vertices : (V, 3) float64 or float32
         Of all meshes, object space. Their type is that of the tests of triangles in space.
     triangles : (T,) TRIANGLE
@@ -169,6 +172,8 @@ def generic_hit(x: float, y: float, thing: Any, planes: Floats, camera: Camera) 
             span = sphere_span(o, d)
         elif kind == CYLINDER:
             span = cylinder_span(o, d)
+        elif kind == QUADRIC:
+            span = quadric_span(o, d, planes, thing["start"], thing["end"], thing["faces"])
         else:
             span = polyhedron_span(o, d, planes, thing["start"], thing["end"])
         t, face = first_hit(span, camera.near, camera.far, cull)

@@ -23,6 +23,8 @@ SQUARE = {"name": "square", "shape": "square"}
 CUBE = {"name": "cube", "shape": "cube"}
 SPHERE = {"name": "sphere", "shape": "sphere"}
 CYLINDER = {"name": "cylinder", "shape": "cylinder"}
+CONE = {"name": "cone", "shape": "cylinder", "top": 0.0}
+BUCKET = {"name": "bucket", "shape": "cylinder", "top": 1.5}
 
 
 def cast(view, acceleration="hierarchy"):
@@ -72,6 +74,8 @@ def test_all_ways_agree_on_generic_shapes(make_scene, eye):
         CUBE | {"transform": [{"scale": [0.5, 0.25, 1.0]}, *turned, {"translate": [1.0, 0.5, 0.0]}]},
         SPHERE | {"transform": [{"scale": [0.5, 1.0, 0.5]}, {"translate": [-1.0, 0.0, -0.5]}]},
         CYLINDER | {"transform": [*turned, {"scale": 0.5}], "cull": "back"},
+        CONE | {"transform": [*turned, {"scale": [0.5, -0.5, 1.0]}, {"translate": [0.2, 0.4, 0.5]}]},
+        BUCKET | {"transform": [{"scale": 0.4}, *turned, {"translate": [-0.4, 0.7, 0.5]}], "cull": "front"},
         SQUARE | {"transform": [{"scale": 3.0}, {"rotate_x": -80.0}, {"translate": [0.0, -1.0, 0.0]}]},
         mesh(1, 5),
     ]
@@ -194,7 +198,7 @@ def test_near_within_a_solid_shows_its_inside_and_near_and_far_are_closed(
     assert cast(hsr.view(scene, (1, 1)), acceleration).face[0, 0] == face
 
 
-@pytest.mark.parametrize("thing", [CUBE, SPHERE, CYLINDER], ids=lambda thing: thing["shape"])
+@pytest.mark.parametrize("thing", [CUBE, SPHERE, CYLINDER, CONE, BUCKET], ids=lambda thing: thing["name"])
 @pytest.mark.parametrize("mirror", [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
 def test_culling_leaves_the_outside_or_the_inside_of_a_solid(make_scene, thing, mirror):
     depth = {}
@@ -331,6 +335,7 @@ def test_the_variants_agree_where_rounding_decides_nothing(make_scene, method, e
         CUBE | {"cull": cull, "transform": [{"scale": 0.4}, {"rotate_x": 30.0}, {"rotate_z": 20.0}]},
         SPHERE | {"cull": cull, "transform": [{"scale": [0.5, 1.0, 0.5]}, {"translate": [-1.0, 0.0, -0.5]}]},
         CYLINDER | {"cull": cull, "transform": [{"scale": 0.5}, {"translate": [0.7, 0.9, 0.1]}]},
+        CONE | {"cull": cull, "transform": [{"scale": 0.5}, {"translate": [-0.7, 0.9, 0.1]}]},
         SQUARE | {"cull": cull, "transform": [{"scale": 3.0}, {"rotate_x": -80.0}]},
     ]
     view = hsr.view(make_scene(objects, **EYES[eye]), (13, 11))

@@ -22,7 +22,8 @@ from hsr.exact.oracle import Truth, truth
 from hsr.problem.view import View, view
 from tests.conftest import SCENES
 from tests.exact import brute
-from tests.exact.hard import CURVED, PLANAR, hard_view, loose_view, scene
+from tests.exact.cones import CONES as CONE_VIEWS
+from tests.exact.hard import CONES, CURVED, PLANAR, hard_view, loose_view, scene
 
 Maker = Callable[[int, tuple[str, ...]], View]
 
@@ -117,7 +118,7 @@ def test_what_is_sure_all_along_a_row_is_as_if_it_were_not(camera: dict[str, Any
     assert (sure.depth == unsure.depth).all()
 
 
-@pytest.mark.parametrize("shapes", [PLANAR, CURVED], ids=["planar", "curved"])
+@pytest.mark.parametrize("shapes", [PLANAR, CURVED, CONES], ids=["planar", "curved", "cones"])
 def test_small_chunks_give_the_same_answer(shapes: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> None:
     view_ = hard_view(5, shapes)
     whole = everything(view_)
@@ -231,7 +232,7 @@ def test_corners_behind_the_eye() -> None:
 # ---------------------------------------------------------------- by what must not matter
 
 
-@pytest.mark.parametrize("shapes", [PLANAR, CURVED], ids=["planar", "curved"])
+@pytest.mark.parametrize("shapes", [PLANAR, CURVED, CONES], ids=["planar", "curved", "cones"])
 def test_the_scale_of_clip_space_does_not_matter(shapes: tuple[str, ...]) -> None:
     for seed in range(10):
         view_ = hard_view(seed, shapes)
@@ -273,6 +274,21 @@ def test_rims_hit_exactly() -> None:
     view_ = seen([turned])
     assert owners(view_) == [[-1, 0, -1, -1], [-1, 0, -1, -1], [-1, -1, -1, -1], [-1, -1, -1, -1]]
     assert owners(view_) == brute.over_all(view_, brute.owner)
+
+
+@pytest.mark.parametrize("name", CONE_VIEWS)
+def test_cones_are_what_they_are_by_brute_force(name: str) -> None:
+    found, exact = everything(CONE_VIEWS[name]), truth(CONE_VIEWS[name])
+    assert owners(CONE_VIEWS[name]) == exact.face.tolist()
+    assert found.depth.reshape(exact.depth.shape) == pytest.approx(exact.depth, rel=2.0**-52)
+
+
+@pytest.mark.parametrize(("name", "depth"), [("parallel, downward", 3.0), ("from above", 2.0)])
+def test_beside_a_line_on_a_cone_its_apex_is_met(name: str, depth: float) -> None:
+    # In the middle the equation of the hit is 0 / 0; to the right and below, it is hit close to the apex.
+    view_ = CONE_VIEWS[f"along a generator of 0.0, left, {name}"]
+    assert (everything(view_).face[12], everything(view_).depth[12]) == (0, depth)
+    assert (truth(view_).face[2, 2], truth(view_).depth[2, 2]) == (0, depth)
 
 
 @pytest.mark.parametrize(("cull", "owner"), [("none", 0), ("back", -1), ("front", 0)])
@@ -335,7 +351,7 @@ def test_of_coinciding_curved_faces_the_lowest_owns() -> None:
 
 
 @pytest.mark.parametrize("make", [hard_view, loose_view], ids=["on a grid", "anywhere"])
-@pytest.mark.parametrize("shapes", [PLANAR, CURVED], ids=["planar", "curved"])
+@pytest.mark.parametrize("shapes", [PLANAR, CURVED, CONES], ids=["planar", "curved", "cones"])
 @pytest.mark.parametrize("seed", range(1000, 1006))
 def test_owners_by_brute_force(make: Maker, shapes: tuple[str, ...], seed: int) -> None:
     view_ = make(seed, shapes)
@@ -365,7 +381,7 @@ def agrees(answer: Truth, found: Resolved) -> None:
 
 @pytest.mark.jit
 @pytest.mark.parametrize("make", [hard_view, loose_view], ids=["on a grid", "anywhere"])
-@pytest.mark.parametrize("shapes", [PLANAR, CURVED], ids=["planar", "curved"])
+@pytest.mark.parametrize("shapes", [PLANAR, CURVED, CONES], ids=["planar", "curved", "cones"])
 def test_many_views(make: Maker, shapes: tuple[str, ...]) -> None:
     for seed in range(3000, 3100):
         view_ = make(seed, shapes)

@@ -12,7 +12,7 @@ import numpy as np
 
 from hsr.base.arrays import Array, Floats
 from hsr.problem.view import View, view
-from tests.exact.hard import CULLS, CURVED, PLANAR, Random, hard_view, loose_view, scene
+from tests.exact.hard import CONES, CULLS, CURVED, PLANAR, Random, cone, hard_view, loose_view, scene
 
 Soup = tuple[Floats, Array]
 """Vertices (V, 3) and triangles (n, 3)."""
@@ -121,7 +121,7 @@ def inside(random: Random) -> dict[str, Any]:
     return {"type": "perspective", "eye": eye, "near": float(random.choice([1e-6, 0.01, 0.3])), "fov": 90.0}
 
 
-def adversarial(seed: int, curved: bool = False) -> View:
+def adversarial(seed: int, curved: bool = False, cones: bool = False) -> View:
     """Return the view of a seed.
 
     Parameters
@@ -129,10 +129,13 @@ def adversarial(seed: int, curved: bool = False) -> View:
     seed : int
     curved : bool
         Whether spheres and cylinders may be among the objects.
+    cones : bool
+        Whether cones may be, too.
     """
     random = np.random.default_rng([2026, seed])
     if seed % 4 == 0:
-        return (hard_view if seed % 8 else loose_view)(seed, CURVED if curved else PLANAR, 9)
+        shapes = CONES if cones else CURVED if curved else PLANAR
+        return (hard_view if seed % 8 else loose_view)(seed, shapes, 9)
     objects = []
     for _ in range(random.integers(1, 3)):
         vertices, triangles = SOUPS[random.integers(len(SOUPS))](random)
@@ -146,8 +149,8 @@ def adversarial(seed: int, curved: bool = False) -> View:
                 "transform": [{"scale": [float(random.choice([-1.0, 1.0])), 1.0, 1.0]}, {"translate": away}],
             }
         )
-    if curved:
-        objects.append(_curved(random))
+    if curved or cones:
+        objects.append(_curved(random) | (cone(random) if cones else {}))
     camera = (ahead, above, inside)[random.integers(3)](random)
     if random.random() < 0.5:
         camera["eye"] = [

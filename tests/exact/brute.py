@@ -16,7 +16,6 @@ from math import gcd
 from typing import Any
 
 from hsr.problem.view import Placement, View
-from hsr.scene.shapes import Kind
 
 Vector = Sequence[Any]
 Matrix = Sequence[Sequence[Any]]
@@ -196,11 +195,9 @@ def value_at(line: Line, row: Vector, depth: Surd) -> Surd:
 
 
 def hits_of(view: View, placement: Placement, line: Line) -> Iterable[Hit]:
-    if placement.shape.kind == Kind.SPHERE:
-        return sphere_hits(placement, line)
-    if placement.shape.kind == Kind.CYLINDER:
-        return cylinder_hits(placement, line)
-    return polygon_hits(view, placement, line)
+    if placement.shape.polygons is not None:
+        return polygon_hits(view, placement, line)
+    return (sphere_hits if placement.shape.label == "sphere" else cylinder_hits)(placement, line)
 
 
 def culled(placement: Placement, front: bool) -> bool:
@@ -275,17 +272,26 @@ def sphere_hits(placement: Placement, line: Line) -> Iterator[Hit]:
             yield 0, depth
 
 
+def top_of(placement: Placement) -> Fraction:
+    """The radius of a cylinder at z = 1, out of the terms -1 and -2 (top - 1) z of its equation."""
+    assert placement.shape.quadric is not None
+    *_, axis, constant = placement.shape.quadric.form[3].tolist()
+    return 1 + Fraction(axis, constant)
+
+
 def cylinder_hits(placement: Placement, line: Line) -> Iterator[Hit]:
-    ray = object_line(placement, line)
-    a = ray.step[0] * ray.step[0] + ray.step[1] * ray.step[1]
-    b = ray.base[0] * ray.step[0] + ray.base[1] * ray.step[1]
-    c = ray.base[0] * ray.base[0] + ray.base[1] * ray.base[1] - ray.scale * ray.scale
+    ray, top = object_line(placement, line), top_of(placement)
+    # The radius is 1 + (top - 1) z: like x, y and z, an offset and a slope.
+    slope, offset = ray.at([0, 0, top - 1, 1])
+    a = ray.step[0] * ray.step[0] + ray.step[1] * ray.step[1] - slope * slope
+    b = ray.base[0] * ray.step[0] + ray.base[1] * ray.step[1] - offset * slope
+    c = ray.base[0] * ray.base[0] + ray.base[1] * ray.base[1] - offset * offset
     for depth, entering in roots(Germ.of(a), Germ.of(b), Germ.of(c)):
         above = value_at(ray, [0, 0, 1, 0], depth).sign() >= 0
         below = value_at(ray, [0, 0, -1, 1], depth).sign() >= 0
         if above and below and not culled(placement, entering):
             yield 0, depth
-    for face, height in ((1, 0), (2, 1)):
+    for face, height in ((1, 0), (2, 1)) if top else ((1, 0),):
         slope, offset = ray.at([0, 0, 1, -height])
         if Germ.of(slope).sign() == 0:
             continue

@@ -10,6 +10,7 @@ from pydantic import ValidationError
 
 from hsr.base.errors import ViewError
 from hsr.problem.view import View, view
+from hsr.scene.model import Scene
 from tests.exact.hard import CULLS, Random, scene
 
 POWERS = (-320, -310, -305, -300, -150, -30, 0, 0, 30, 150, 300)
@@ -24,15 +25,25 @@ def power(exponent: float) -> float:
     return float(10.0 ** np.clip(exponent, -322.0, 307.0))
 
 
-def extreme(seed: int, curved: bool = False) -> View:
-    """Return the view of a seed, with spheres and cylinders among the objects or without."""
+def extreme(seed: int, curved: bool = False, cones: bool = False) -> View:
+    """Return the view of a seed, with spheres and cylinders among the objects or without, or with cones."""
     random = np.random.default_rng([77, seed])
     while True:
         width, height = SIZES[random.integers(len(SIZES))]
         make = (far_off, scaled, scaled)[random.integers(3)]
         # Some are too extreme for any method.
         with suppress(ValidationError, ViewError):
-            return view(make(random, curved), (width, height))
+            seen = make(random, curved or cones)
+            return view(_tapered(seen, random) if cones else seen, (width, height))
+
+
+def _tapered(seen: Scene, random: Random) -> Scene:
+    """Taper the cylinders of a scene, by anything float64 has."""
+    change = {"top": float(random.choice([0.0, 5e-324, 1e-200, 2.0**-53, 0.1, 1.0 + 2.0**-52, 1e17, 1e150]))}
+    things = (
+        thing.model_copy(update=change) if thing.shape == "cylinder" else thing for thing in seen.object
+    )
+    return seen.model_copy(update={"object": tuple(things)})
 
 
 def thing(random: Random, exponent: float, curved: bool) -> dict[str, Any]:

@@ -76,9 +76,18 @@ def mesh(random: Random, flat: bool) -> dict[str, Any]:
     return {"shape": "mesh", "vertices": vertices.tolist(), "faces": faces}
 
 
+TOPS = (0.0, 0.0, 0.5, 2.0, 3.0, 1.0 - 2.0**-53)
+
+
+def cone(random: Random) -> dict[str, Any]:
+    return {"shape": "cylinder", "top": float(random.choice(TOPS))}
+
+
 def thing(random: Random, shapes: tuple[str, ...]) -> dict[str, Any]:
     shape = str(random.choice(shapes))
     what = mesh(random, shape == "flat") if shape in ("mesh", "flat") else {"shape": shape}
+    if shape == "cone":
+        what = cone(random)
     return {**what, "cull": str(random.choice(CULLS)), "transform": placing(random)}
 
 
@@ -95,6 +104,7 @@ def hard_view(seed: int, shapes: tuple[str, ...], side: int = 4) -> View:
 
 PLANAR = ("square", "cube", "mesh", "flat")
 CURVED = ("sphere", "cylinder", "square", "sphere", "cylinder", "flat")
+CONES = ("cone", "cone", "cone", "cylinder", "sphere", "square", "flat")
 
 
 def loose_view(seed: int, shapes: tuple[str, ...], side: int = 4) -> View:

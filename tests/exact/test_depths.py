@@ -12,10 +12,10 @@ from hsr.exact.depths import depth_quotient, depths_of
 from hsr.exact.oracle import truth
 from hsr.exact.problem import problem_of
 from hsr.problem.view import view
-from tests.exact.hard import CURVED, PLANAR, hard_view, loose_view, scene
+from tests.exact.hard import CONES, CURVED, PLANAR, hard_view, loose_view, scene
 
 
-@pytest.mark.parametrize("shapes", [PLANAR, CURVED], ids=["planar", "curved"])
+@pytest.mark.parametrize("shapes", [PLANAR, CURVED, CONES], ids=["planar", "curved", "cones"])
 @pytest.mark.parametrize("seed", range(120, 126))
 def test_doubled_precision_agrees_with_integers(shapes: tuple[str, ...], seed: int) -> None:
     view = (hard_view if seed % 2 else loose_view)(seed, shapes)

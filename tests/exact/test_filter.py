@@ -22,7 +22,7 @@ from hsr.exact.filter import (
 from hsr.exact.infinitesimals import beside
 from hsr.exact.oracle import settled_by_filter
 from hsr.exact.problem import problem_of
-from tests.exact.hard import CURVED, PLANAR, hard_view, loose_view
+from tests.exact.hard import CONES, CURVED, PLANAR, hard_view, loose_view
 
 unit = st.floats(-1.0, 1.0)
 
@@ -77,7 +77,7 @@ def test_a_denominator_that_may_vanish_bounds_nothing() -> None:
     assert key_between(surd, 0, 5) == (-np.inf, np.inf)
 
 
-@pytest.mark.parametrize("shapes", [PLANAR, CURVED], ids=["planar", "curved"])
+@pytest.mark.parametrize("shapes", [PLANAR, CURVED, CONES], ids=["planar", "curved", "cones"])
 @pytest.mark.parametrize("seed", range(100, 112))
 def test_the_owner_is_a_candidate_and_settled_only_if_certain(shapes: tuple[str, ...], seed: int) -> None:
     view = (hard_view if seed % 2 else loose_view)(seed, shapes)

@@ -15,7 +15,7 @@ from hsr.exact.oracle import Truth, truth
 from hsr.problem.view import Placement, View, view
 from hsr.scene.shapes import Kind, Polygons, Shape
 from tests.exact import brute
-from tests.exact.hard import CURVED, PLANAR, hard_view, loose_view, on_grid, scene
+from tests.exact.hard import CONES, CURVED, PLANAR, hard_view, loose_view, on_grid, scene
 
 Maker = Callable[[int, tuple[str, ...]], View]
 
@@ -163,21 +163,23 @@ def test_a_camera_without_forward_is_refused() -> None:
 # ---------------------------------------------------------------- by brute force
 
 
-@pytest.mark.parametrize("shapes", [PLANAR, CURVED], ids=["planar", "curved"])
+@pytest.mark.parametrize("shapes", [PLANAR, CURVED, CONES], ids=["planar", "curved", "cones"])
 @pytest.mark.parametrize("seed", range(12))
 def test_owners_where_everything_is_on_a_grid(shapes: tuple[str, ...], seed: int) -> None:
     view = hard_view(seed, shapes)
     assert truth(view).face.tolist() == brute.over_all(view, brute.owner)
 
 
-@pytest.mark.parametrize("shapes", [PLANAR, CURVED], ids=["planar", "curved"])
+@pytest.mark.parametrize("shapes", [PLANAR, CURVED, CONES], ids=["planar", "curved", "cones"])
 @pytest.mark.parametrize("seed", range(20, 26))
 def test_owners_where_nothing_is(shapes: tuple[str, ...], seed: int) -> None:
     view = loose_view(seed, shapes)
     assert truth(view).face.tolist() == brute.over_all(view, brute.owner)
 
 
-@pytest.mark.parametrize(("shapes", "seed"), [(PLANAR, 3), (PLANAR, 14), (CURVED, 9), (CURVED, 15)])
+@pytest.mark.parametrize(
+    ("shapes", "seed"), [(PLANAR, 3), (PLANAR, 14), (CURVED, 9), (CURVED, 15), (CONES, 4), (CONES, 16)]
+)
 def test_admissible_owners(shapes: tuple[str, ...], seed: int) -> None:
     view = hard_view(seed, shapes, side=3)
     assert admissible_everywhere(truth(view)) == brute.over_all(view, brute.admissible)
@@ -193,7 +195,7 @@ def test_a_tessellated_view_is_that_of_its_polygons() -> None:
 
 
 anywhere = pytest.mark.parametrize("make", [hard_view, loose_view], ids=["on a grid", "anywhere"])
-any_shapes = pytest.mark.parametrize("shapes", [PLANAR, CURVED], ids=["planar", "curved"])
+any_shapes = pytest.mark.parametrize("shapes", [PLANAR, CURVED, CONES], ids=["planar", "curved", "cones"])
 
 
 def answers(view: View) -> tuple[list[list[int]], list[list[set[int]]], list[list[float]]]:

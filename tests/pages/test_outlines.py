@@ -68,14 +68,20 @@ def test_from_inside_nothing_bounds_a_ball(make_scene: Any) -> None:
 
 
 @pytest.mark.parametrize("camera", [{"type": "perspective"}, PARALLEL], ids=["perspective", "parallel"])
-@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
+@pytest.mark.parametrize(
+    "shape",
+    [
+        {"shape": "sphere"},
+        {"shape": "cylinder"},
+        {"shape": "cylinder", "top": 0.0},
+        {"shape": "cylinder", "top": 1.5},
+    ],
+)
 def test_outlines_go_between_covered_samples_and_others(
-    camera: dict[str, Any], shape: str, make_scene: Any
+    camera: dict[str, Any], shape: dict[str, Any], make_scene: Any
 ) -> None:
-    thing = {
-        "shape": shape,
-        "transform": [{"scale": [1.2, 0.7, 1.0]}, {"rotate_x": 50.0}, {"rotate_y": 20.0}],
-    }
+    turns = [{"rotate_x": 50.0}, {"rotate_y": 20.0}]
+    thing = {**shape, "transform": [{"scale": [1.2, 0.7, 1.3 if "top" in shape else 1.0]}, *turns]}
     view = seen_by(make_scene, camera | {"eye": [1.0, 2.0, 6.0]}, thing)
     face = hsr.render(view, "exact").face
     points, ends = outlines(view, np.arange(view.faces, dtype=np.int32))

@@ -104,6 +104,8 @@ TILTED = [{"rotate_x": 60.0}]
         ({"shape": "cylinder", "transform": TILTED}, 2, 4.0, 0.5),
         ({"shape": "cylinder", "transform": TILTED}, 1, 5.0, 0.5),
         ({"shape": "cylinder", "transform": [{"rotate_x": 90.0}]}, 0, 4.0, 1.0),
+        ({"shape": "cylinder", "top": 0.0, "transform": [{"rotate_x": 90.0}]}, 0, 4.0, math.sqrt(0.5)),
+        ({"shape": "cylinder", "top": 2.0, "transform": TILTED}, 2, 4.0, 0.5),
         (
             {"shape": "cube", "transform": [{"scale": [1.0, 1.0, 4.0]}, *TILTED]},
             0,

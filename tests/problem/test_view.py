@@ -237,6 +237,15 @@ def test_hashes_change_when_what_is_seen_changes_and_only_then(
     assert {key for key in before if before[key] != after[key]} == changed
 
 
+def test_the_top_of_a_cylinder_counts(make_scene: Any) -> None:
+    plain = hsr.view(make_scene([DRUM]))
+    views = [hsr.view(make_scene([DRUM | {"top": top}])) for top in (0.0, 0.5, 1.0 - 2.0**-53, 1.0, 2.0)]
+    assert len({view.hashes["scene"] for view in views}) == len(views)
+    assert len({view.tessellated().hashes["scene"] for view in views}) == len(views)
+    assert views[3].hashes == plain.hashes and views[3].manifest == plain.manifest
+    assert views[0].manifest[0]["faces"] == ["side", "base"] and views[0].faces == 2
+
+
 def test_the_order_of_objects_counts(make_scene: Any) -> None:
     one, other = (hsr.view(make_scene(things)).hashes for things in ([CUBE, BALL], [BALL, CUBE]))
     assert one["scene"] != other["scene"] and one["camera"] == other["camera"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +45,24 @@ def test_bounds_of_a_turned_cylinder(make_scene: Any) -> None:
     drum = {"name": "drum", "shape": "cylinder", "transform": [{"scale": [1, 1, 4]}, {"rotate_y": 90}]}
     (entry,) = describe(make_scene([drum]))["objects"]
     assert entry["bounds"] == {"low": [0, -1, -1], "high": [4, 1, 1]}
+
+
+def test_bounds_of_a_turned_cone(make_scene: Any) -> None:
+    for top, x in ((0.0, 1.0), (0.5, 1.0), (3.0, 3.0)):
+        cone = {"name": "cone", "shape": "cylinder", "top": top, "transform": [{"rotate_y": 90}]}
+        (entry,) = describe(make_scene([cone]))["objects"]
+        assert entry["bounds"] == {"low": [0, -x, -x], "high": [1, x, x]}
+    leaning = {"name": "cone", "shape": "cylinder", "top": 0.0, "transform": [{"rotate_x": 45}]}
+    (entry,) = describe(make_scene([leaning]))["objects"]
+    assert entry["bounds"]["low"][1] == pytest.approx(-math.sqrt(0.5))
+    assert entry["bounds"]["high"][2] == pytest.approx(math.sqrt(0.5))
+
+
+@pytest.mark.parametrize(("height", "inside"), [(0.45, True), (0.55, False)])
+def test_an_eye_is_inside_a_cone_up_to_its_side(make_scene: Any, height: float, inside: bool) -> None:
+    cone = {"name": "cone", "shape": "cylinder", "top": 0.0}
+    scene = make_scene([cone], eye=[0.5, 0.0, height], target=[0.0, 0.0, height])
+    assert culling(scene) == ["the eye is inside it" if inside else "the near plane cuts it"]
 
 
 def test_a_vertex_without_a_face_has_no_part_in_the_bounds(make_scene: Any) -> None:

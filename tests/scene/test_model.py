@@ -101,6 +101,7 @@ PROBLEMS = [
     (scene(thing={"shape": "cube"}), "object[0].name: this key is missing"),
     (scene(thing={**CUBE, "name": ""}), "object[0].name: must have at least 1 character, got ''"),
     (scene(thing={**CUBE, "name": "x" * 81}), "object[0].name: must have at most 80 characters, got 'xxx"),
+    (scene(thing={**CUBE, "shape": "cylinder", "top": -0.5}), "object[0].top: must be at least 0, got -0.5"),
     (scene(thing={**CUBE, "color": 1}), "object[0].color: unknown key; did you mean 'colour'? "),
     (scene(thing={**CUBE, "transform": {}}), "object[0].transform: expected a list, got a table"),
     (step(scale=0), "object[0].transform[0].scale: a scale of 0 makes the transform singular"),

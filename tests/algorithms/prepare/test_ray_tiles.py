@@ -19,7 +19,9 @@ from hsr.exact.oracle import truth
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View, view
 from tests.conftest import JIT
+from tests.exact import brute
 from tests.exact.adversarial import adversarial
+from tests.exact.cones import CONES
 from tests.exact.extreme import EXTREME, extreme
 from tests.exact.hard import scene
 
@@ -40,11 +42,11 @@ def check(seen: View) -> VisibilityMap:
     return answer
 
 
-@pytest.mark.parametrize("curved", [False, True], ids=["planar", "curved"])
+@pytest.mark.parametrize("what", [{}, {"curved": True}, {"cones": True}], ids=["planar", "curved", "cones"])
 @pytest.mark.parametrize("share", range(8))
-def test_adversarial_views_are_right_at_every_sample(share: int, curved: bool) -> None:
+def test_adversarial_views_are_right_at_every_sample(share: int, what: dict[str, bool]) -> None:
     for seed in range(share, SEEDS, 8):
-        check(adversarial(seed, curved))
+        check(adversarial(seed, **what))
 
 
 @pytest.mark.parametrize("name", EXTREME)
@@ -52,10 +54,10 @@ def test_extreme_numbers_are_right_at_every_sample(name: str) -> None:
     check(EXTREME[name]())
 
 
-@pytest.mark.parametrize("curved", [False, True], ids=["planar", "curved"])
-def test_extreme_views_are_right_at_every_sample(curved: bool) -> None:
+@pytest.mark.parametrize("what", [{}, {"curved": True}, {"cones": True}], ids=["planar", "curved", "cones"])
+def test_extreme_views_are_right_at_every_sample(what: dict[str, bool]) -> None:
     for seed in range(SEEDS):
-        seen = extreme(seed, curved)
+        seen = extreme(seed, **what)
         assert np.array_equal(cast(seen).face, truth(seen).face), f"seed {seed}"
 
 
@@ -68,6 +70,15 @@ def test_scenes_are_right_at_every_sample(scenes: Any) -> None:
             answer = check(seen)
             if not seen.curved:
                 assert np.array_equal(answer.face, hsr.render(seen, "zbuffer").face), path.name
+
+
+@pytest.mark.parametrize("name", CONES)
+def test_cones_are_right_at_every_sample(name: str) -> None:
+    seen = CONES[name]
+    answer = check(seen)
+    assert answer.face.tolist() == brute.over_all(seen, brute.owner)
+    flat = seen.tessellated()
+    assert np.array_equal(hsr.render(flat, "zbuffer").face, truth(flat).face)
 
 
 # ---------------------------------------------------------------- who owns a sample

@@ -1,4 +1,4 @@
-"""Spheres and cylinders on the screen: every bound against what is exact."""
+"""Spheres, cylinders and cones on the screen: every bound against what is exact."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SEEDS = 160 if JIT else 24
 
 
 def alone(seed: int) -> tuple[View, str]:
-    """One sphere or cylinder of any proportions, seen from anywhere, cut by near and far or not."""
+    """One sphere, cylinder or cone of any proportions, seen from anywhere, cut by near and far or not."""
     random = np.random.default_rng([7, seed])
     shape, axis = random.choice(["sphere", "cylinder"]), random.choice(list("xyz"))
     scale = random.choice([1e-3, 0.3, 1.0, 2.0, 50.0], 3).tolist()
@@ -30,7 +30,10 @@ def alone(seed: int) -> tuple[View, str]:
     camera = {"eye": eye.tolist(), "target": (0.1 * eye + random.normal(0.0, 0.3, 3)).tolist()}
     camera |= {"near": float(random.choice([1e-3, 0.5, 1.5])), "far": float(random.choice([3.0, 1e3]))}
     camera |= random.choice([{"type": "perspective", "fov": 70.0}, {"type": "orthographic", "height": 4.0}])
-    return view(scene([{"shape": str(shape), "transform": steps}], camera), (15, 12)), str(shape)
+    thing = {"shape": str(shape), "transform": steps}
+    if shape == "cylinder" and seed % 2:
+        thing["top"] = float(random.choice([0.0, 0.3, 1.0 - 2.0**-20, 2.0, 100.0]))
+    return view(scene([thing], camera), (15, 12)), str(shape)
 
 
 def prepared(seen: View):

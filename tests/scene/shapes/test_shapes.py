@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from hsr.scene.polyhedra import convexity_problems
 from hsr.scene.shapes import Polygons, generic, tessellated
+from hsr.scene.solids import surface_problem
 
 
 def loops(polygons: Polygons) -> list[tuple[int, ...]]:
@@ -58,6 +60,31 @@ def test_the_cylinder_in_polygons_is_convex_with_side_base_and_cap(segments: int
     assert shape.polygons.face.tolist() == [0] * segments + [1, 2]
     z = [set(shape.polygons.vertices[list(loop)][:, 2]) for loop in loops(shape.polygons)]
     assert z == [{0.0, 1.0}] * segments + [{0.0}, {1.0}]
+
+
+@pytest.mark.parametrize("top", [0.0, 0.5, 3.0])
+@pytest.mark.parametrize("segments", [3, 4, 48])
+def test_a_tapered_cylinder_in_polygons_has_its_corners_on_the_cone(top: float, segments: int) -> None:
+    shape = tessellated(generic("cylinder", top=top), segments)
+    assert shape.polygons is not None and surface_problem(shape.polygons) == ""
+    assert shape.face_names == (("side", "base", "cap") if top else ("side", "base"))
+    assert shape.polygons.face.tolist() == [0] * segments + [1, 2][: shape.faces - 1]
+    x, y, z = shape.polygons.vertices.T
+    assert np.hypot(x, y) == pytest.approx(np.where(z == 0.0, 1.0, top))
+    assert set(z) == {0.0, 1.0}
+
+
+@pytest.mark.parametrize("top", [0.0, 0.1, 1.0, 3.0, 1e200, 5e-324])
+def test_the_side_of_a_cylinder_is_its_equation_exactly(top: float) -> None:
+    solid = generic("cylinder", top=top).quadric
+    assert solid is not None
+    for z in (0, Fraction(1, 3), 1):
+        p = np.array([Fraction(3, 5) * (1 + (Fraction(top) - 1) * z)] * 2 + [z, 1])
+        p[1] *= Fraction(4, 3)
+        assert p @ solid.form @ p == 0
+        assert (p * [2, 2, 1, 1]) @ solid.form @ (p * [2, 2, 1, 1]) > 0 or p[0] == 0
+    assert ((solid.ends @ p >= 0) == (p[2] >= 0) & (p[2] <= 1)).all()
+    assert solid.box.tolist() == [[-max(1.0, top)] * 2 + [0.0], [max(1.0, top)] * 2 + [1.0]]
 
 
 def test_polygons_are_fans_about_their_first_corner() -> None:
