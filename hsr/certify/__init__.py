@@ -26,18 +26,18 @@ theorem.
 1. *Coverage is proven or uncertain.* A number that must be positive inside is computed with a bound of its
    error. Above the bound the piece covers the sample and its neighbourhood, below minus the bound it does
    not meet it, and between them the piece is a *doubt*. Edges are those of projected corners if all corners
-   are proven ahead of the eye, to within ``LOOSE`` pixels; otherwise they are the homogeneous edges, from
-   exact integers rounded once. See :func:`hsr.kernels.zbuffer.key_buffer.fill`,
-   :func:`hsr.kernels.zbuffer.key_buffer.note`, :func:`hsr.kernels.zbuffer.key_buffer.suspect` and
+   are proven ahead of the eye, to within ``PRECISE`` pixels; otherwise they are the homogeneous edges, from
+   exact integers rounded once. See :func:`hsr.kernels.zbuffer.fill.fill`,
+   :func:`hsr.kernels.zbuffer.settle.note`, :func:`hsr.kernels.zbuffer.settle.suspect` and
    :func:`hsr.kernels.raytiles.curved.meet_quadric`.
 2. *Depth is proven or uncertain.* A piece that is proven to cover a sample enters the keys, and of two such
    pieces the one with the lesser key is nearer if the keys differ by more than a gap. If they do not, both
    are doubts: the one is written down, the other either stays in the keys, and is added in the end, or
-   gives way to a piece that is proven nearer. See :func:`hsr.kernels.zbuffer.key_buffer.settle`.
+   gives way to a piece that is proven nearer. See :func:`hsr.kernels.zbuffer.settle.settle`.
 3. *What is left out is proven to be hidden or outside.* Clusters and triangles that certainly turn the side
-   that is culled (:func:`hsr.kernels.zbuffer.clusters.leave_out`,
-   :func:`hsr.kernels.zbuffer.halfspaces.set_up`); what lies beside a tile, between samples, or beyond near
-   or far; columns of a scan line outside an edge (:func:`hsr.kernels.zbuffer.key_buffer.span_of`); nodes,
+   that is culled (:func:`hsr.kernels.zbuffer.facing.leave_out`,
+   :func:`hsr.kernels.zbuffer.setup.set_up`); what lies beside a tile, between samples, or beyond near
+   or far; columns of a scan line outside an edge (:func:`hsr.kernels.zbuffer.fill.span_of`); nodes,
    objects and clusters behind all that their cells show (:func:`hsr.kernels.zbuffer.tiles.is_hidden`,
    :func:`hsr.kernels.zbuffer.tiles.is_behind`): what cells show only gets nearer. A doubt is forgotten if
    something proven to cover the sample is proven nearer.
@@ -74,76 +74,76 @@ U is 2^-53. Each is derived beside the line that uses it; here is what is bounde
 compares it with exact fractions. A test *has teeth* if it fails when the constant is weakened; for each it is
 said what was tried.
 
-:func:`hsr.kernels.zbuffer.halfspaces.eye_around`
+:func:`hsr.kernels.zbuffer.setup.eye_around`
     Clip coordinates: 16 U of the sum of the magnitudes of the terms of a row of the matrix, and the slack
     of the mesh times its entries.
     Test: ``test_projected_vertices_are_within_their_error`` in
-    ``tests/kernels/zbuffer/test_halfspaces.py``.
+    ``tests/kernels/zbuffer/test_setup.py``.
     No teeth: 16 U may be 1 U, for the bounds of rounding add up to far more than roundings do.
-:func:`hsr.kernels.zbuffer.halfspaces.projected`
+:func:`hsr.kernels.zbuffer.setup.projected`
     A corner on the screen: W ((error_x + |x / d| error_d) / d + 4 U (|x / d| + 1)), likewise down; anywhere
     unless d > 2 error_d.
     Test: ``test_projected_vertices_are_within_their_error`` in
-    ``tests/kernels/zbuffer/test_halfspaces.py``.
-    Test: ``test_what_overflows_may_be_anywhere`` in ``tests/kernels/zbuffer/test_halfspaces.py``.
+    ``tests/kernels/zbuffer/test_setup.py``.
+    Test: ``test_what_overflows_may_be_anywhere`` in ``tests/kernels/zbuffer/test_setup.py``.
     Fails for an eighth of the whole, and without the first term; the term 4 U has no teeth.
-:func:`hsr.kernels.zbuffer.halfspaces.nearness_error`
+:func:`hsr.kernels.zbuffer.setup.nearness_error`
     Nearness n of a corner: n (2 n error_d + 2 U) under perspective, error_d else.
     Test: ``test_projected_vertices_are_within_their_error`` in
-    ``tests/kernels/zbuffer/test_halfspaces.py``.
+    ``tests/kernels/zbuffer/test_setup.py``.
     Fails for 0; no teeth for a sixteenth.
-:func:`hsr.kernels.zbuffer.halfspaces.set_up`
+:func:`hsr.kernels.zbuffer.setup.set_up`
     Edge functions and twice the area: 4 t (w + h + 20) + 32 U (w + 18) (h + 2), for corners off by t and a
     box of w by h.
     Test: ``test_edge_functions_and_depths_are_within_their_bounds`` in
-    ``tests/kernels/zbuffer/test_halfspaces.py``.
+    ``tests/kernels/zbuffer/test_setup.py``.
     Fails without the term of t; no teeth for an eighth of the whole, nor without the term of U.
-:func:`hsr.kernels.zbuffer.halfspaces.set_up`
+:func:`hsr.kernels.zbuffer.setup.set_up`
     Key depth wherever the triangle is: slack of its corners + t (|z_x| + |z_y|) + 128 U (1 + w h / |area|
     (w |z_x| + h |z_y|)).
     Test: ``test_edge_functions_and_depths_are_within_their_bounds`` in
-    ``tests/kernels/zbuffer/test_halfspaces.py``.
+    ``tests/kernels/zbuffer/test_setup.py``.
     Fails without the second term and without the third; no teeth for a 64th of the third, nor without the
     first.
-:func:`hsr.kernels.zbuffer.halfspaces.set_up`
+:func:`hsr.kernels.zbuffer.setup.set_up`
     Least and greatest key depth of the corners: their slack and 8 U (1 + |z|).
     No test compares it.
-:func:`hsr.kernels.zbuffer.halfspaces.samples_between`
+:func:`hsr.kernels.zbuffer.setup.samples_between`
     Samples between two places, each off by an error: nothing more, for rounding is monotone and halves are
     float64.
     No test of its own; that of the extents of nodes passes without the error.
-:func:`hsr.kernels.zbuffer.key_buffer.gap_of`
+:func:`hsr.kernels.zbuffer.fill.gap_of`
     Keys whose depths may be equal differ by at most 2^64 tie + 2 (cut-off bits) + 2; a tie is at least
     2^-36 of the range of depth, and a key depth less certain than a tie is a doubt wherever its piece may
     be.
     Test: ``test_the_gap_of_depths_covers_what_keys_cut_off`` in
-    ``tests/kernels/zbuffer/test_key_buffer.py``.
+    ``tests/kernels/zbuffer/test_fill.py``.
     Test: ``test_depths_within_their_errors_are_doubts_about_both`` in
-    ``tests/kernels/zbuffer/test_key_buffer.py``.
+    ``tests/kernels/zbuffer/test_fill.py``.
     The first fails without what is cut off.
-:func:`hsr.kernels.zbuffer.key_buffer.limits_of`
+:func:`hsr.kernels.zbuffer.fill.limits_of`
     Near and far count as edges, scaled so that an error of a tie is the bound of an edge.
-    Test: ``test_a_depth_at_near_or_far_is_a_doubt`` in ``tests/kernels/zbuffer/test_key_buffer.py``.
+    Test: ``test_a_depth_at_near_or_far_is_a_doubt`` in ``tests/kernels/zbuffer/test_fill.py``.
     No teeth: the test asks at near and far themselves.
-:func:`hsr.kernels.zbuffer.key_buffer.span_of`
+:func:`hsr.kernels.zbuffer.fill.span_of`
     Columns inside an edge: one sample more at either end.
-    Test: ``test_spans_leave_out_only_what_is_outside`` in ``tests/kernels/zbuffer/test_key_buffer.py``.
+    Test: ``test_spans_leave_out_only_what_is_outside`` in ``tests/kernels/zbuffer/test_fill.py``.
     No teeth: the sample may go at the beginning, where cutting off the fraction leaves room.
-:func:`hsr.kernels.zbuffer.clusters.normal_boxes`
+:func:`hsr.kernels.zbuffer.facing.normal_boxes`
     A coordinate of a normal: 8 s (u + v) + 16 s^2 + 16 U u v, for corners off by s and sides of at most u
     and v.
-    Test: ``test_normals_are_as_uncertain_as_the_corners`` in ``tests/kernels/zbuffer/test_clusters.py``.
-    Test: ``test_what_is_left_out_is_culled`` in ``tests/kernels/zbuffer/test_clusters.py``.
+    Test: ``test_normals_are_as_uncertain_as_the_corners`` in ``tests/kernels/zbuffer/test_facing.py``.
+    Test: ``test_what_is_left_out_is_culled`` in ``tests/kernels/zbuffer/test_facing.py``.
     The first fails without the terms of s; the last term has no teeth.
-:func:`hsr.kernels.zbuffer.clusters.sight_of`
+:func:`hsr.kernels.zbuffer.facing.determinant_of`
     What the products with normals are taken of: 32 U of the sum of the magnitudes.
-    Test: ``test_what_is_left_out_is_culled`` in ``tests/kernels/zbuffer/test_clusters.py``.
+    Test: ``test_what_is_left_out_is_culled`` in ``tests/kernels/zbuffer/test_facing.py``.
     No teeth: 32 U may be 0.
-:func:`hsr.kernels.zbuffer.clusters.leave_out`
+:func:`hsr.kernels.zbuffer.facing.leave_out`
     The line of sight to a corner of the box: |det| s and the errors above, 4 U (|det| |p| + |q|); the
     products with normals: 8 U of each.
-    Test: ``test_what_is_within_an_error_stays`` in ``tests/kernels/zbuffer/test_clusters.py``.
-    Test: ``test_what_is_left_out_is_culled`` in ``tests/kernels/zbuffer/test_clusters.py``.
+    Test: ``test_what_is_within_an_error_stays`` in ``tests/kernels/zbuffer/test_facing.py``.
+    Test: ``test_what_is_left_out_is_culled`` in ``tests/kernels/zbuffer/test_facing.py``.
     The first fails without the term of s; those of U have no teeth.
 :func:`hsr.kernels.zbuffer.tiles.reach_box`
     What a box may cover, and its least key depth: those of its eight corners, see ``projected``.
