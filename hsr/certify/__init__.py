@@ -181,7 +181,7 @@ said what was tried.
     Test: ``test_certain_hits_are_what_is_seen_and_within_their_bounds`` in
     ``tests/kernels/raytiles/test_curved.py``.
     No teeth for any of the three: a tie is more than they are in all views that are tried.
-:func:`hsr.algorithms.prepare.behind_eye.loose_tables`
+:func:`hsr.algorithms.prepare.behind_eye.crossing_tables`
     Exact edges rounded once: ``ROUNDED`` = 16 U; key depth: that of nearness, 8 U of the values, and 64 U
     (1 + |z_x| W + |z_y| H).
     Test: ``test_key_depths_are_within_their_bound`` in ``tests/algorithms/prepare/test_behind_eye.py``.
