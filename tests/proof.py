@@ -120,12 +120,16 @@ def judge(name: str, view: View) -> Row:
     return Row(name, view, truth.work["ties"], found, inexact, backends_differ(view))
 
 
+SOME = {"planar": {}, "with spheres and cylinders": {"curved": True}, "with cones": {"cones": True}}
+"""Kinds of adversarial views."""
+
+
 def adversarial_rows(seeds: range) -> Iterator[tuple[str, int, int, int]]:
     """Yield (what, views, samples, samples of certified methods that do not show the true face)."""
-    for curved in (False, True):
+    for kind, what in SOME.items():
         inexact, samples = Counter[str](), 0
         for seed in seeds:
-            view = adversarial(seed, curved)
+            view = adversarial(seed, **what)
             samples += view.width * view.height
             for method in CERTIFIED:
                 seen = view if method_named(method).curved else view.tessellated()
@@ -133,7 +137,6 @@ def adversarial_rows(seeds: range) -> Iterator[tuple[str, int, int, int]]:
                     np.count_nonzero(hsr.render(seen, method).face != hsr.render(seen, "exact").face)
                 )
         for method in CERTIFIED:
-            kind = "with spheres and cylinders" if curved else "planar"
             yield f"{method}, {kind}", len(seeds), samples, inexact[method]
 
 

@@ -110,7 +110,10 @@ class Geometry(tuple[Placement, ...]):
         """Return the same objects with polygons in place of curved shapes, ``segments`` to a full circle."""
         if not self.curved:
             return self
-        return self.once(("tessellated", segments), lambda: Geometry(_planar(one, segments) for one in self))
+        return self.once(
+            ("tessellated", segments),
+            lambda: Geometry(replace(one, shape=tessellated(one.shape, segments)) for one in self),
+        )
 
     @cached_property
     def curved(self) -> bool:
@@ -196,10 +199,6 @@ def _placements(scene: Scene) -> Iterator[Placement]:
             mirrored = exact_determinant(matrix[:3, :3]) < 0
             yield Placement(name, shape, matrix, first, CULL[thing.cull], mirrored, thing.colour)
             first += shape.faces
-
-
-def _planar(placement: Placement, segments: int) -> Placement:
-    return replace(placement, shape=tessellated(placement.shape, segments))
 
 
 def _manifest_entry(placement: Placement) -> dict[str, Any]:
