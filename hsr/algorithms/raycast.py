@@ -18,8 +18,9 @@ import numpy as np
 from hsr.algorithms.prepare import ray_tiles
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.errors import MethodError
-from hsr.kernels import hierarchy, rays, triangle_tests
-from hsr.kernels.boxes import nearness_of
+from hsr.kernels import hierarchy, ray_hierarchy, rays, triangle_tests
+from hsr.kernels.projection import nearness_of
+from hsr.kernels.ray_objects import OBJECT, TRIANGLE, Camera, Data
 from hsr.problem.geometry import Geometry
 from hsr.problem.map import Clock, VisibilityMap, depth_format
 from hsr.problem.view import Rays, View
@@ -30,7 +31,11 @@ Test = Literal["screen", "edge-planes", "moller-trumbore", "woop"]
 Arithmetic = Literal["float64", "float32"]
 Slabs = Literal["robust", "naive"]
 
-WAYS = {"none": rays.LIST, "extents": rays.EXTENTS, "hierarchy": rays.HIERARCHY}
+WAYS = {
+    "none": ray_hierarchy.LIST,
+    "extents": ray_hierarchy.EXTENTS,
+    "hierarchy": ray_hierarchy.HIERARCHY,
+}
 
 TESTS = {
     "screen": triangle_tests.SCREEN,
@@ -42,7 +47,7 @@ TESTS = {
 SOLIDS = (Kind.CUBE, Kind.POLYHEDRON, Kind.QUADRIC)
 """The shapes that are cut out by planes, and by an equation."""
 
-COUNTED = ("rays", "nodes visited", "extent tests", "face tests", "hits")
+COUNTED = ("nodes visited", "extent tests", "face tests", "hits")
 """Names of the work counts, in the order of the kernels."""
 
 
@@ -147,8 +152,13 @@ def render(view: View, options: Options) -> VisibilityMap:
         face, depth = np.empty(size, np.int32), np.empty(size)
         work = np.zeros((view.height, len(COUNTED)), np.int64) if options.count else None
     with clock("render"):
-        rays.cast(camera, data, _way(options), face, depth, work)
-    counts = {} if work is None else dict(zip(COUNTED, work.sum(axis=0).tolist(), strict=True))
+        if options.acceleration == "none" and work is None:
+            rays.cast(camera, data, TESTS[options.test], face, depth)
+        else:
+            ray_hierarchy.cast_through_extents(camera, data, _way(options), face, depth, work)
+    counts: dict[str, int] = {}
+    if work is not None:
+        counts = {"rays": face.size} | dict(zip(COUNTED, work.sum(axis=0).tolist(), strict=True))
     step = float(np.finfo(options.arithmetic).eps)
     notes = {"depth_format": depth_format("distance", step, view.near, view.far)}
     return VisibilityMap(face, depth, "raycast", counts, clock.seconds, notes)
@@ -158,7 +168,7 @@ def render(view: View, options: Options) -> VisibilityMap:
 
 
 def screen_matrices(view: View) -> Floats:
-    """Return the rows column, row and depth (n, 3, 4) that project each object; see ``bounds.corner_of``."""
+    """Return the rows column, row and depth (n, 3, 4) that project each object; see ``corner_of``."""
     return np.asarray(_objects(view, _shapes(view))["screen"])
 
 
@@ -179,45 +189,20 @@ def cast_by_list(view: View, options: Options, samples: Array) -> Ints:
         Face ids, -1 for the background.
     """
     plain = replace(options, acceleration="none", certified=True, slabs="robust")  # no tiles, no doubts
-    camera, data, way = _camera(view), _data(view, _shapes(view), plain), _way(plain)
+    camera, data, test = _camera(view), _data(view, _shapes(view), plain), TESTS[plain.test]
     face = np.empty(len(samples), np.int32)
     for k, (row, column) in enumerate(zip(*np.divmod(samples, view.width), strict=True)):
         x, y = column + 0.5 - 0.5 * view.width, row + 0.5 - 0.5 * view.height
-        face[k], _ = rays.answer_of(rays.nearest_in_list(x, y, camera, data, way, None), camera.perspective)
+        face[k], _ = rays.answer_of(rays.nearest_hit(x, y, camera, data, test), camera.perspective)
     return face
 
 
 # ---------------------------------------------------------------- shapes
 
 
-class _Mesh(NamedTuple):
-    """A mesh in the order of its hierarchy's leaves, with indices that count from its own start."""
-
-    vertices: Floats
-    triangles: Array
-    nodes: Array
-
-
-def _mesh_of(shape: Shape) -> _Mesh:
-    """Build the hierarchy of a mesh, once for all its instances."""
-    polygons = _polygons(shape)
-    corner = np.ascontiguousarray(polygons.triangle_vertex, np.int32)
-    order, nodes = _hierarchy(*hierarchy.boxes_of(polygons.vertices, corner))
-    triangles = np.empty(len(corner), rays.TRIANGLE)
-    triangles["corner"], triangles["face"] = corner[order], polygons.triangle_face[order]
-    return _Mesh(polygons.vertices, triangles, nodes)
-
-
 def _polygons(shape: Shape) -> Polygons:
     assert shape.polygons is not None, "only spheres and cylinders have no polygons"
     return shape.polygons
-
-
-def _hierarchy(low: Floats, high: Floats) -> tuple[Ints, Array]:
-    """Build the hierarchy over boxes: their order in the leaves, and its nodes."""
-    room = np.empty(2 * len(low), hierarchy.NODE)
-    order, used = hierarchy.build(low, high, room)
-    return order, room[:used]
 
 
 class _Shapes(NamedTuple):
@@ -248,73 +233,54 @@ def _shapes(view: View) -> _Shapes:
 
 def _joined_shapes(geometry: Geometry) -> _Shapes:
     """Join the data of all shapes, with indices that count from the start of the joint arrays."""
-    distinct = dict.fromkeys(one.shape for one in geometry)
-    planes = {shape: _rows_of(shape) for shape in distinct if shape.kind in SOLIDS}
-    meshes = {shape: _mesh_of(shape) for shape in distinct if shape.kind == Kind.MESH}
-    # From shape to where its data begin: planes or triangles (and their end), vertices, nodes.
-    places: dict[Shape, dict[str, int]] = {shape: {} for shape in distinct}
-    _place(places, planes, "start", "end")
-    _place(places, {shape: mesh.triangles for shape, mesh in meshes.items()}, "start", "end")
-    _place(places, {shape: mesh.vertices for shape, mesh in meshes.items()}, "vertex")
-    _place(places, {shape: mesh.nodes for shape, mesh in meshes.items()}, "root")
-    moved = [_moved(mesh, places[shape]) for shape, mesh in meshes.items()]
-    nodes = _joined([mesh.nodes for mesh in moved], np.empty(0, hierarchy.NODE))
+    planes, vertices = [np.empty((0, 4))], [np.empty((0, 3))]
+    triangles, nodes = [np.empty(0, TRIANGLE)], [np.empty(0, hierarchy.NODE)]
+    described = {}
+    for shape in dict.fromkeys(one.shape for one in geometry):
+        thing = described[shape] = np.zeros((), OBJECT)
+        own = triangles if shape.kind == Kind.MESH else planes
+        thing["kind"], thing["faces"] = shape.kind, shape.faces
+        thing["start"], thing["root"] = _rows(own), _rows(nodes)
+        if shape.kind == Kind.MESH:
+            mesh, below = _mesh_of(_polygons(shape), _rows(vertices), _rows(triangles), _rows(nodes))
+            vertices.append(_polygons(shape).vertices)
+            triangles.append(mesh)
+            nodes.append(below)
+            thing["low"], thing["high"] = below[0]["low"], below[0]["high"]
+        else:
+            thing["low"], thing["high"] = ray_tiles.box_of(shape)
+        if shape.kind in SOLIDS:
+            planes.append(_rows_of(shape))
+        thing["end"] = _rows(own)
+    objects = np.array([described[one.shape] for one in geometry])
+    objects["first_face"] = [one.first for one in geometry]
+    objects["cull"] = [one.cull for one in geometry]
+    objects["mirrored"] = [one.mirrored for one in geometry]
     return _Shapes(
-        _joined(list(planes.values()), np.empty((0, 4))),
-        _joined([mesh.vertices for mesh in moved], np.empty((0, 3))),
-        _joined([mesh.triangles for mesh in moved], np.empty(0, rays.TRIANGLE)),
-        nodes,
-        _objects_of(geometry, places, nodes),
+        np.concatenate(planes),
+        np.concatenate(vertices),
+        np.concatenate(triangles),
+        np.concatenate(nodes),
+        objects,
         np.asarray(np.linalg.inv(geometry.matrices[:, :3, :3]), np.float64),
     )
 
 
-def _objects_of(geometry: Geometry, places: dict[Shape, dict[str, int]], nodes: Array) -> Array:
-    """Return the objects (n,) in file order, without what depends on the camera."""
-    number = {shape: k for k, shape in enumerate(places)}
-    described = np.concatenate([_described(shape, place, nodes) for shape, place in places.items()])
-    objects = described[[number[one.shape] for one in geometry]]
-    objects["first_face"] = [one.first for one in geometry]
-    objects["cull"] = [one.cull for one in geometry]
-    objects["mirrored"] = [one.mirrored for one in geometry]
-    return objects
+def _rows(parts: list[Array]) -> int:
+    return sum(map(len, parts))
 
 
-def _described(shape: Shape, place: dict[str, int], nodes: Array) -> Array:
-    """Return an ``OBJECT`` (1,) with all that depends on the shape alone."""
-    described = np.zeros(1, rays.OBJECT)
-    described["kind"], described["faces"] = shape.kind, shape.faces
-    if shape.kind == Kind.MESH:
-        described["low"], described["high"] = nodes[place["root"]]["low"], nodes[place["root"]]["high"]
-    else:
-        described["low"], described["high"] = ray_tiles.box_of(shape)
-    for name in ("start", "end", "root"):
-        described[name] = place.get(name, 0)
-    return described
+def _mesh_of(polygons: Polygons, vertex: int, triangle: int, node: int) -> tuple[Array, Array]:
+    """Return the triangles of a mesh in the order of its hierarchy's leaves, and the nodes.
 
-
-def _place(places: dict[Shape, dict[str, int]], parts: dict[Shape, Array], *names: str) -> None:
-    """Note where each shape's array starts and, by a second name, ends when they follow each other."""
-    start = 0
-    for shape, part in parts.items():
-        places[shape] |= dict(zip(names, (start, start + len(part)), strict=False))
-        start += len(part)
-
-
-def _moved(mesh: _Mesh, place: dict[str, int]) -> _Mesh:
-    """Return a mesh with indices that count from the start of the joint arrays."""
-    if not any(place[name] for name in ("start", "vertex", "root")):
-        return mesh
-    triangles, nodes = mesh.triangles.copy(), mesh.nodes.copy()
-    triangles["corner"] += place["vertex"]
-    inner = nodes["count"] == hierarchy.INNER
-    nodes["first"] += np.where(inner, place["root"], place["start"]).astype(np.int32)
-    return _Mesh(mesh.vertices, triangles, nodes)
-
-
-def _joined(parts: list[Array], empty: Array) -> Array:
-    """Concatenate arrays; a single one is not copied."""
-    return parts[0] if len(parts) == 1 else np.concatenate([empty, *parts])
+    Their indices count from these vertex, triangle and node on.
+    """
+    corner = np.ascontiguousarray(polygons.triangle_vertex, np.int32)
+    order, nodes = hierarchy.build(*hierarchy.boxes_of(polygons.vertices, corner))
+    nodes["first"] += np.where(nodes["count"] == hierarchy.INNER, node, triangle).astype(np.int32)
+    triangles = np.empty(len(corner), TRIANGLE)
+    triangles["corner"], triangles["face"] = corner[order] + vertex, polygons.triangle_face[order]
+    return triangles, nodes
 
 
 def _rows_of(shape: Shape) -> Floats:
@@ -337,21 +303,21 @@ def _planes_of(polygons: Polygons) -> Floats:
 # ---------------------------------------------------------------- the view as the kernels see it
 
 
-def _camera(view: View) -> rays.Camera:
+def _camera(view: View) -> Camera:
     near, far, perspective = view.near, view.far, view.perspective
     closest, farthest = nearness_of(near, perspective), nearness_of(far, perspective)
-    return rays.Camera(perspective, near, far, closest, farthest, view.width, view.height)
+    return Camera(perspective, near, far, closest, farthest, view.width, view.height)
 
 
-def _way(options: Options) -> rays.Way:
-    return rays.Way(WAYS[options.acceleration], TESTS[options.test], options.slabs == "robust")
+def _way(options: Options) -> ray_hierarchy.Way:
+    return ray_hierarchy.Way(WAYS[options.acceleration], TESTS[options.test], options.slabs == "robust")
 
 
 COARSER = 2.0**29
 """How many times as coarse float32 rounds as float64."""
 
 
-def _data(view: View, shapes: _Shapes, options: Options) -> rays.Data:
+def _data(view: View, shapes: _Shapes, options: Options) -> Data:
     """Return what rays are cast into, in the arithmetic and the order that the options want."""
     objects, planes, vertices, nodes = _objects(view, shapes), shapes.planes, shapes.vertices, shapes.nodes
     if options.arithmetic == "float32":
@@ -359,7 +325,7 @@ def _data(view: View, shapes: _Shapes, options: Options) -> rays.Data:
         objects["margin"] *= COARSER
     if options.acceleration == "hierarchy":
         objects, nodes = _with_world(view, objects, nodes)
-    return rays.Data(objects, planes, vertices, shapes.triangles, nodes)
+    return Data(objects, planes, vertices, shapes.triangles, nodes)
 
 
 def as_float32(numbers: Floats) -> Array:
@@ -394,11 +360,11 @@ def _with_world(view: View, objects: Array, nodes: Array) -> tuple[Array, Array]
 
     The hierarchy's nodes follow the others.
     """
-    order, own = _hierarchy(*_world_extents(view, objects))
+    order, own = hierarchy.build(*_world_extents(view, objects))
     own["first"] += np.where(own["count"] == hierarchy.INNER, len(nodes), 0).astype(np.int32)
-    world = np.zeros(1, rays.OBJECT)
+    world = np.zeros(1, OBJECT)
     sight = _sample_rays(view)
-    world["kind"], world["root"] = rays.WORLD, len(nodes)
+    world["root"] = len(nodes)
     world["origin"], world["direction"] = sight.origin, sight.direction
     return np.concatenate([objects[order], world]), np.concatenate([nodes, own])
 
@@ -424,7 +390,7 @@ def _sample_rays(view: View) -> Rays:
 
 
 def _screen_from_world(view: View) -> Floats:
-    """Return the rows (3, 4) column, row and depth; see ``bounds.corner_of``.
+    """Return the rows (3, 4) column, row and depth; see :func:`hsr.kernels.triangle_on_screen.corner_of`.
 
     Clip coordinates are divided by w; here that is depth times a constant, or a constant.
     """

@@ -1,4 +1,4 @@
-"""Extents: the box a ray must meet, and points on the screen.
+"""Extents: the box a ray must meet.
 
 Extents only save work. Whatever lies in an extent must be found through it, so every test here errs
 on the side of "may meet": boxes are closed, and rounding is covered by paddings derived beside them.
@@ -10,12 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hsr.base.arrays import Floats
 from hsr.base.jit import jit
 from hsr.kernels.vectors import Vector
-
-Corner = tuple[float, float, float, float]
-"""A projected point: column and row in pixels from the image centre times its weight, depth, nearness."""
 
 TWO_ULP = 2.0**-51
 """Two units in the last place of 1: the padding of Ize, "Robust BVH Ray Traversal" (JCGT 2013)."""
@@ -91,31 +87,6 @@ def naive_entry(box: Any, beam: Beam) -> float:
 
 
 @jit
-def corner_of(matrix: Floats, x: float, y: float, z: float, perspective: bool) -> Corner:
-    """Project a point by the rows column, row and depth of a (3, 4) matrix.
-
-    Returns
-    -------
-    X, Y, depth, nearness : float
-        Under perspective the point appears X / depth pixels right of and Y / depth below the image
-        centre, in a parallel view X and Y; ``nearness`` is 1 / depth or -depth.
-    """
-    depth = matrix[2, 0] * x + matrix[2, 1] * y + matrix[2, 2] * z + matrix[2, 3]
-    return (
-        matrix[0, 0] * x + matrix[0, 1] * y + matrix[0, 2] * z + matrix[0, 3],
-        matrix[1, 0] * x + matrix[1, 1] * y + matrix[1, 2] * z + matrix[1, 3],
-        depth,
-        nearness_of(depth, perspective),
-    )
-
-
-@jit
-def nearness_of(depth: float, perspective: bool) -> float:
-    """Return what grows as depth shrinks and is affine on the screen for the points of a plane.
-
-    It is 1 / depth under perspective, infinite for what is not in front of the eye; -depth in a
-    parallel view.
-    """
-    if not perspective:
-        return -depth
-    return 1.0 / depth if depth > 0.0 else np.inf
+def reciprocal(number: float) -> float:
+    """Return 1 / number, for 0 infinity of its sign."""
+    return 1.0 / number if number != 0.0 else np.copysign(np.inf, number)

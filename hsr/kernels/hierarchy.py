@@ -37,28 +37,26 @@ low, high : the box around everything below the node, closed.
 """
 
 
-@jit
-def build(low: Floats, high: Floats, nodes: Array) -> tuple[Ints, int]:
-    """Build the hierarchy over boxes.
+def build(low: Floats, high: Floats) -> tuple[Ints, Array]:
+    """Build the hierarchy over boxes, for single rays.
 
     Parameters
     ----------
     low, high : (n, 3) float64
         Opposite corners of the boxes, low <= high, finite; at least one.
-    nodes : (2 n,) NODE
-        Receives the nodes; the root is node 0.
 
     Returns
     -------
     order : (n,) int32
         The boxes in the order of the leaves.
-    used : int
-        Number of nodes.
+    nodes : (N,) NODE
+        The root is the first.
     """
-    code, order = radix_sort(morton_codes(low, high))
-    used = split(code, LEAF, nodes["first"], nodes["count"])
-    fit(low, high, order, nodes[:used])
-    return order, used
+    order, tree = _tree(morton_codes(low, high), LEAF)
+    nodes = np.empty(len(tree), NODE)
+    nodes["first"], nodes["count"] = tree.T
+    fit(low, high, order, nodes)
+    return order, nodes
 
 
 def tree_of(vertices: Floats, corner: Ints, box: Floats, leaf: int) -> tuple[Ints, Ints]:
@@ -69,7 +67,7 @@ def tree_of(vertices: Floats, corner: Ints, box: Floats, leaf: int) -> tuple[Int
     vertices : (V, 3) float64
     corner : (n, 3) int32
     box : (2, 3) float64
-        Opposite corners of the box around the vertices.
+        Opposite corners of the box in which the centres of the triangles' boxes lie.
     leaf : int
         Most triangles in one leaf.
 
@@ -80,17 +78,36 @@ def tree_of(vertices: Floats, corner: Ints, box: Floats, leaf: int) -> tuple[Int
     tree : (N, 2) int32
         ``first`` and ``count`` of each node, see :data:`NODE`.
     """
-    code = np.empty(len(corner), np.uint32)
-    _code_triangles(vertices, corner, box, code)
+    return _tree(_triangle_codes(vertices, corner, box), leaf)
+
+
+def _tree(code: Array, leaf: int) -> tuple[Ints, Ints]:
     code, order = radix_sort(code)
     tree = np.empty((2 * len(code), 2), np.int32)
     used = split(code, leaf, tree[:, 0], tree[:, 1])
     return order, tree[:used]
 
 
+def morton_codes(low: Floats, high: Floats) -> Array:
+    """Return the Morton code (n,) uint32 of every box's centre in the box around the centres."""
+    # A box is as good as a triangle: one of its two corners is taken twice.
+    number = np.arange(len(low), dtype=np.int32)
+    corner = np.stack([number, number + np.int32(len(low)), number], axis=1)
+    centre = 0.5 * low + 0.5 * high
+    box = np.stack([centre.min(axis=0), centre.max(axis=0)])
+    return _triangle_codes(np.concatenate([low, high]), corner, box)
+
+
+def _triangle_codes(vertices: Floats, corner: Ints, box: Floats) -> Array:
+    code = np.empty(len(corner), np.uint32)
+    _code_triangles(vertices, corner, box, code)
+    return code
+
+
 @parallel_jit
 def _code_triangles(vertices: Floats, corner: Ints, box: Floats, code: Array) -> None:
-    """Find the Morton codes of the centres of the boxes around triangles, in the cube around all of them."""
+    """Find the Morton codes of the centres of the boxes around triangles."""
+    # Twice the centre is as good as the centre: only its place in the box counts.
     cell = np.empty(3)
     for axis in range(3):
         cell[axis] = cells_in(2.0 * (box[1, axis] - box[0, axis]))
@@ -128,28 +145,6 @@ def boxes_of(vertices: Floats, corner: Ints) -> tuple[Floats, Floats]:
             low[i, axis] = min(a, b, c)
             high[i, axis] = max(a, b, c)
     return low, high
-
-
-@jit
-def morton_codes(low: Floats, high: Floats) -> Array:
-    """Return the Morton code (n,) uint32 of every box's centre in the cube around the centres."""
-    n = len(low)
-    start, cell = np.empty(3), np.empty(3)
-    for axis in range(3):
-        # Twice the centre is as good as the centre: only its place in the range counts.
-        least, most = np.inf, -np.inf
-        for i in range(n):
-            centre = low[i, axis] + high[i, axis]
-            least, most = min(least, centre), max(most, centre)
-        start[axis], cell[axis] = least, cells_in(most - least)
-
-    code = np.empty(n, np.uint32)
-    for i in range(n):
-        mixed = np.uint32(0)
-        for axis in range(3):
-            mixed |= code_of((low[i, axis] + high[i, axis] - start[axis]) * cell[axis]) << np.uint32(axis)
-        code[i] = mixed
-    return code
 
 
 @jit

@@ -155,3 +155,15 @@ def _to_parallel_depth(window: Array, near: float, far: float, depth: Floats) ->
             z = float(window[row, column])
             seen = near + min(max(z, 0.0), 1.0) * (far - near)
             depth[row, column] = seen if z < np.inf else np.inf
+
+
+@jit
+def nearness_of(depth: float, perspective: bool) -> float:
+    """Return what grows as depth shrinks and is affine on the screen for the points of a plane.
+
+    It is 1 / depth under perspective, infinite for what is not in front of the eye; -depth in a
+    parallel view.
+    """
+    if not perspective:
+        return -depth
+    return 1.0 / depth if depth > 0.0 else np.inf

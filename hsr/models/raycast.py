@@ -39,7 +39,7 @@ RENDERED = rerun(render)
 
 
 def _on_screen(view: View) -> View:
-    """Return the view of the objects on the screen: (X, Y, depth), X and Y as in ``bounds.corner_of``."""
+    """Return the view of the objects on the screen: (X, Y, depth), X and Y as in ``corner_of``."""
     width, height = float(view.width), float(view.height)
     x_row, y_row = [2.0 * height, 0.0, 0.0, 0.0], [0.0, -2.0 * width, 0.0, 0.0]
     seen = seen_along_third(view, x_row, y_row, width * height)

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from hsr.kernels.boxes import Beam, box_entry, naive_entry, nearness_of
+from hsr.kernels.boxes import Beam, box_entry, naive_entry, reciprocal
 from hsr.kernels.hierarchy import NODE
-from hsr.kernels.rays import reciprocal
+from hsr.kernels.projection import nearness_of
 
 
 def box(low, high):

@@ -6,13 +6,7 @@ import numpy as np
 import pytest
 
 from hsr.kernels import hierarchy
-from hsr.kernels.hierarchy import INNER, LEAF, NODE
-
-
-def build(low, high):
-    nodes = np.empty(2 * len(low), NODE)
-    order, used = hierarchy.build(low, high, nodes)
-    return order, nodes[:used]
+from hsr.kernels.hierarchy import INNER, LEAF, build
 
 
 def boxes(seed, n):

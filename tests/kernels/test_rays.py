@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from hsr.kernels.culling import CULL_BACK, CULL_FRONT
-from hsr.kernels.facets import covered_nearness, facet_of, row_of
 from hsr.kernels.rays import NO_OWNER, Best, answer_of, better
+from hsr.kernels.triangle_on_screen import covered_nearness, facet_of
 
 FAR_AWAY = -math.inf
 
@@ -27,7 +27,7 @@ def nearness(corners, x, y, perspective=True, cull=0, mirrored=False, closest=ma
     facet = facet_of(*corners, perspective, cull, mirrored)
     if facet.turn == 0.0:
         return FAR_AWAY
-    return covered_nearness(row_of(facet, y), x, closest)
+    return covered_nearness(facet, x, y, closest)
 
 
 def covered(corners, size=5, **kind):

@@ -21,7 +21,7 @@ import numpy as np
 
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.jit import jit
-from hsr.kernels.boxes import nearness_of
+from hsr.kernels.projection import nearness_of
 
 U = 2.0**-53
 """Greatest relative error of one rounding."""

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
+from hsr.algorithms.raycast import Options
 from hsr.kernels import boxes, hits, rays
+from hsr.kernels import ray_hierarchy as extents
 from hsr.lessons.probes import Beat, Buffers, Look, Names, Probe, nobody, place
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import View
 
+EXTENTS = (extents.cast_through_extents, extents.nearest_in_extents)
 
-def probe(_view: View, _options: Any) -> Probe:
+
+def probe(_view: View, options: Options) -> Probe:
     """Watch each ray, the extents and shapes it is tested against, and the nearest hit."""
 
     def clear(names: Names) -> None:
@@ -28,11 +31,13 @@ def probe(_view: View, _options: Any) -> Probe:
         nearness, face = names["hit"]
         return int(face) if nearness > -np.inf else BACKGROUND
 
+    plain = options.acceleration == "none"
+    cast, nearest = (rays.cast, rays.nearest_hit) if plain else EXTENTS
     return Probe(
         shown={
-            rays.cast: ("row", "column", "x", "y", "best"),
-            rays.nearest_in_list: ("k", "hit", "best"),
-            rays.meets_extent: (),
+            cast: ("row", "column", "x", "y", "best"),
+            nearest: ("k", "best"),
+            extents.meets_extent: (),
             boxes.box_entry: ("axis", "inverse", "start", "t_first", "t_last", "t_in", "t_out"),
             rays.generic_hit: ("o", "d", "span", "t", "face"),
             hits.polyhedron_span: ("k", "along", "inside", "t", "t_in", "face_in", "t_out", "face_out"),
@@ -40,15 +45,14 @@ def probe(_view: View, _options: Any) -> Probe:
             hits.square_hit: ("t", "inside"),
             hits.first_hit: ("span",),
             rays.better: ("nearness", "face", "best"),
-            rays.counted: ("hit",),
         },
-        buffers={rays.cast: Look("x", answered, clear)},
-        beats=(Beat(rays.cast, "tally(done, RAYS)", place("row", "column"), nobody),),
+        buffers={cast: Look("x", answered, clear)},
+        beats=(Beat(cast, "x = ", place("row", "column"), nobody),),
         counters={
-            "rays": (rays.cast, "tally(done, RAYS)"),
-            "extents tested": (rays.meets_extent, "tally("),
-            "faces or shapes tested": (rays.counted, "tally("),
-            "hits": (rays.counted, "tally(work, HITS)"),
+            "rays": (cast, "x = "),
+            "extents tested": (extents.meets_extent, "tally("),
+            "faces or shapes tested": (rays.better, "nearness, face = hit"),
+            "hits": (rays.better, "if nearness > best.nearness"),
         },
         rival=(rays.better, met),
     )

@@ -1,7 +1,8 @@
-"""One triangle of a mesh as the rays of a picture meet it: inside which edges, and how near.
+"""The test of a triangle on the screen: does it cover a sample, and how near is it there.
 
-All ways of casting single rays test triangles by these functions, so that they find the same face. The edges
-are those of the triangle's homogeneous corners: a vertex behind the eye needs no clipping.
+It is that of :mod:`hsr.kernels.rays` for the triangles of meshes; those in space, where the ray is, are in
+:mod:`hsr.kernels.triangle_tests`. The edges are those of the triangle's homogeneous corners: a vertex behind
+the eye needs no clipping.
 """
 
 from __future__ import annotations
@@ -10,13 +11,17 @@ from typing import NamedTuple
 
 import numpy as np
 
+from hsr.base.arrays import Floats
 from hsr.base.jit import jit
-from hsr.kernels.boxes import Corner
 from hsr.kernels.culling import CULL_BACK, CULL_FRONT
+from hsr.kernels.projection import nearness_of
 from hsr.kernels.vectors import Vector
 
 SMALLEST = 5e-324
 """The least number above 0: ``e >= SMALLEST`` is ``e > 0``."""
+
+Corner = tuple[float, float, float, float]
+"""A projected point: column and row in pixels from the image centre times its weight, depth, nearness."""
 
 
 class Facet(NamedTuple):
@@ -46,21 +51,28 @@ class Facet(NamedTuple):
     high: float
 
 
-class Row(NamedTuple):
-    """A facet on one row of samples: ``y`` is relative to the row and times ``turn``."""
-
-    x: Vector
-    y: Vector
-    h: Vector
-    least: Vector
-    slope: float
-    start: float
-    low: float
-    high: float
-
-
 ZERO = (0.0, 0.0, 0.0)
 NOTHING = Facet(0.0, ZERO, ZERO, ZERO, ZERO, ZERO, 0.0, 0.0)
+
+
+@jit
+def corner_of(matrix: Floats, p: Vector, perspective: bool) -> Corner:
+    """Project a point by the rows column, row and depth of a (3, 4) matrix.
+
+    Returns
+    -------
+    X, Y, depth, nearness : float
+        Under perspective the point appears X / depth pixels right of and Y / depth below the image
+        centre, in a parallel view X and Y.
+    """
+    x, y, z = p
+    depth = matrix[2, 0] * x + matrix[2, 1] * y + matrix[2, 2] * z + matrix[2, 3]
+    return (
+        matrix[0, 0] * x + matrix[0, 1] * y + matrix[0, 2] * z + matrix[0, 3],
+        matrix[1, 0] * x + matrix[1, 1] * y + matrix[1, 2] * z + matrix[1, 3],
+        depth,
+        nearness_of(depth, perspective),
+    )
 
 
 @jit
@@ -112,36 +124,28 @@ def least_inside(p: Corner, q: Corner, p_weight: float, q_weight: float, turn: f
 
 
 @jit
-def row_of(facet: Facet, y: float) -> Row:
-    """Carry a facet to the row of samples at height y."""
-    turn, h = facet.turn, facet.h
-    relative = (
-        turn * (facet.y[0] - y * h[0]),
-        turn * (facet.y[1] - y * h[1]),
-        turn * (facet.y[2] - y * h[2]),
-    )
-    start = facet.plane[1] * y + facet.plane[2]
-    return Row(facet.x, relative, h, facet.least, facet.plane[0], start, facet.low, facet.high)
-
-
-@jit
-def covered_nearness(row: Row, x: float, closest: float) -> float:
-    """Return the nearness of a facet at column x of a row, ``-inf`` where it does not count.
+def covered_nearness(facet: Facet, x: float, y: float, closest: float) -> float:
+    """Return the nearness of a facet at the sample (x, y), ``-inf`` where it does not count.
 
     It counts where the sample is inside all three edges and the nearness at most ``closest``. The
     edge functions take the corners relative to the sample (Woop, Benthin and Wald, "Watertight
     Ray/Triangle Intersection", JCGT 2013). Exchanging the ends of an edge changes its sign and
     nothing else, so that no sample falls between two triangles, or into both.
     """
-    ax, bx, cx = row.x[0] - x * row.h[0], row.x[1] - x * row.h[1], row.x[2] - x * row.h[2]
-    ay, by, cy = row.y
+    turn, h = facet.turn, facet.h
+    ax, bx, cx = facet.x[0] - x * h[0], facet.x[1] - x * h[1], facet.x[2] - x * h[2]
+    ay, by, cy = (
+        turn * (facet.y[0] - y * h[0]),
+        turn * (facet.y[1] - y * h[1]),
+        turn * (facet.y[2] - y * h[2]),
+    )
     inside = (
-        (bx * cy - by * cx >= row.least[0])
-        & (cx * ay - cy * ax >= row.least[1])
-        & (ax * by - ay * bx >= row.least[2])
+        (bx * cy - by * cx >= facet.least[0])
+        & (cx * ay - cy * ax >= facet.least[1])
+        & (ax * by - ay * bx >= facet.least[2])
     )
     # The plane of a facet nearly edge-on is steep: keep its rounding between the corners.
-    nearness = row.slope * x + row.start
-    nearness = nearness if nearness > row.low else row.low
-    nearness = nearness if nearness < row.high else row.high
+    nearness = facet.plane[0] * x + (facet.plane[1] * y + facet.plane[2])
+    nearness = nearness if nearness > facet.low else facet.low
+    nearness = nearness if nearness < facet.high else facet.high
     return nearness if inside & (nearness <= closest) else -np.inf
