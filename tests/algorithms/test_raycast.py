@@ -287,14 +287,10 @@ def test_the_answer_does_not_depend_on_the_number_of_threads(make_scene):
     assert answer.depth.tobytes() == expected.depth.tobytes()
 
 
-def test_a_hierarchy_is_built_once_a_shape(make_scene):
-    view = hsr.view(make_scene([mesh(5, 50)]), (4, 4))
-    shape = view.placements[0].shape
-    assert shape not in raycast._built
-    cast(view)
-    built = raycast._built[shape]
-    cast(view, "none")
-    assert raycast._built[shape] is built
+def test_hierarchies_are_built_once_a_scene(make_scene):
+    scene = make_scene([mesh(5, 50)])
+    one, other = hsr.view(scene, (4, 4)), hsr.view(scene, (5, 3))
+    assert raycast._shapes(one) is raycast._shapes(other)
 
 
 # ---------------------------------------------------------------- variants to study
