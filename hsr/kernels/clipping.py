@@ -43,20 +43,16 @@ AXES = np.array([2, 2, 0, 0, 1, 1])
 """The coordinate that each plane of :func:`view_volume` bounds: d, d, x, x, y, y."""
 
 
+@parallel_jit
 def outcodes(clip: Floats, planes: Floats) -> Array:
     """Return for each point (V,) the planes it is outside of: bit k for plane k, as uint8."""
     codes = np.empty(len(clip), np.uint8)
-    _outcodes(clip, planes, codes)
-    return codes
-
-
-@parallel_jit
-def _outcodes(clip: Floats, planes: Floats, codes: Array) -> None:
     for i in prange(len(clip)):
         code = 0
         for k in range(len(planes)):
             code |= (not _distance(clip[i], planes[k]) >= 0.0) << k  # NaN is outside
         codes[i] = code
+    return codes
 
 
 @jit

@@ -22,6 +22,7 @@ CULL_BACK, CULL_FRONT, CULL_BOTH = 1, 2, 3
 """What is left out of a picture, if not nothing, 0: a bit for back faces, and one for front faces."""
 
 
+@parallel_jit
 def facing_by_normal(clip: Floats, corner: Ints, start: Ints, perspective: bool) -> Floats:
     """Test ``V . N >= 0`` for back faces, V running from the eye to the face.
 
@@ -44,16 +45,11 @@ def facing_by_normal(clip: Floats, corner: Ints, start: Ints, perspective: bool)
         ``-V . N``: D under perspective, else C.
     """
     facing = np.empty(len(start) - 1)
-    _facing_by_normal(clip, corner, start, perspective, facing)
-    return facing
-
-
-@parallel_jit
-def _facing_by_normal(clip: Floats, corner: Ints, start: Ints, perspective: bool, facing: Floats) -> None:
     for i in prange(len(facing)):
         a, b, c = newell(clip, corner[start[i] : start[i + 1]])
         p = clip[corner[start[i]]]
         facing[i] = -(a * p[0] + b * p[1] - c * p[2]) if perspective else c
+    return facing
 
 
 @jit
@@ -78,6 +74,7 @@ def newell(points: Array, corner: Ints) -> tuple[float, float, float]:
     return a, b, c
 
 
+@parallel_jit
 def facing_in_ndc(clip: Floats, corner: Ints, start: Ints, perspective: bool) -> Floats:
     """Test ``C <= 0`` for back faces, after the divide, in normalised device coordinates with y up.
 
@@ -97,12 +94,6 @@ def facing_in_ndc(clip: Floats, corner: Ints, start: Ints, perspective: bool) ->
         C.
     """
     facing = np.empty(len(start) - 1)
-    _facing_in_ndc(clip, corner, start, perspective, facing)
-    return facing
-
-
-@parallel_jit
-def _facing_in_ndc(clip: Floats, corner: Ints, start: Ints, perspective: bool, facing: Floats) -> None:
     for i in prange(len(facing)):
         twice_area = 0.0
         for k in range(start[i] + 1, start[i + 1] - 1):
@@ -111,6 +102,7 @@ def _facing_in_ndc(clip: Floats, corner: Ints, start: Ints, perspective: bool, f
             qx, qy = _divided(clip[corner[k + 1]], perspective)
             twice_area += (px - x) * (qy - y) - (py - y) * (qx - x)
         facing[i] = twice_area
+    return facing
 
 
 @jit
@@ -119,6 +111,7 @@ def _divided(point: Floats, perspective: bool) -> tuple[float, float]:
     return point[0] / w, point[1] / w
 
 
+@parallel_jit
 def facing_by_determinant(clip: Floats, corner: Ints, start: Ints, perspective: bool) -> Floats:
     """Test ``det [a b c] <= 0`` for back faces, a, b and c being corners (x, y, w).
 
@@ -138,14 +131,6 @@ def facing_by_determinant(clip: Floats, corner: Ints, start: Ints, perspective: 
         The sum of the determinants of the fan's triangles.
     """
     facing = np.empty(len(start) - 1)
-    _facing_by_determinant(clip, corner, start, perspective, facing)
-    return facing
-
-
-@parallel_jit
-def _facing_by_determinant(
-    clip: Floats, corner: Ints, start: Ints, perspective: bool, facing: Floats
-) -> None:
     for i in prange(len(facing)):
         total = 0.0
         a = clip[corner[start[i]]]
@@ -158,3 +143,4 @@ def _facing_by_determinant(
                 + cw * (a[0] * b[1] - a[1] * b[0])
             )
         facing[i] = total
+    return facing

@@ -98,17 +98,11 @@ def morton_codes(low: Floats, high: Floats) -> Array:
     return _triangle_codes(np.concatenate([low, high]), corner, box)
 
 
-def _triangle_codes(vertices: Floats, corner: Ints, box: Floats) -> Array:
-    code = np.empty(len(corner), np.uint32)
-    _code_triangles(vertices, corner, box, code)
-    return code
-
-
 @parallel_jit
-def _code_triangles(vertices: Floats, corner: Ints, box: Floats, code: Array) -> None:
-    """Find the Morton codes of the centres of the boxes around triangles."""
+def _triangle_codes(vertices: Floats, corner: Ints, box: Floats) -> Array:
+    """Return the Morton codes of the centres of the boxes around triangles."""
     # Twice the centre is as good as the centre: only its place in the box counts.
-    cell = np.empty(3)
+    code, cell = np.empty(len(corner), np.uint32), np.empty(3)
     for axis in range(3):
         cell[axis] = cells_in(2.0 * (box[1, axis] - box[0, axis]))
     for i in prange(len(corner)):
@@ -118,6 +112,7 @@ def _code_triangles(vertices: Floats, corner: Ints, box: Floats, code: Array) ->
             centre = min(a, b, c) + max(a, b, c)
             mixed |= code_of((centre - 2.0 * box[0, axis]) * cell[axis]) << np.uint32(axis)
         code[i] = mixed
+    return code
 
 
 @jit

@@ -19,6 +19,7 @@ CLIPPED, MISSED, EDGE_ON, CULLED, DRAWN = range(5)
 """Fates: outside the view volume; no sample in its bounding box; seen edge-on; culled; drawn."""
 
 
+@parallel_jit
 def polygon_table(
     screen: Array, corner: Ints, start: Ints, face: Ints, cull: Array, size: tuple[int, int]
 ) -> tuple[Array, Ints]:
@@ -44,14 +45,7 @@ def polygon_table(
     plane = np.empty((len(face), 3), screen.dtype)
     table = np.zeros((len(face), 8), np.int32)
     table[:, FACE] = face
-    _set_up(screen, corner, start, cull, *size, plane, table)
-    return plane, table
-
-
-@parallel_jit
-def _set_up(
-    screen: Array, corner: Ints, start: Ints, cull: Array, width: int, height: int, plane: Array, table: Ints
-) -> None:
+    width, height = size
     half = screen.dtype.type(0.5)
     for i in prange(len(table)):
         first, end = start[i], start[i + 1]
@@ -82,6 +76,7 @@ def _set_up(
         table[i, FIRST], table[i, END], table[i, TOP] = first, end, top
         table[i, TURN] = 1 if C < 0.0 else -1
         table[i, FATE] = DRAWN
+    return plane, table
 
 
 @jit

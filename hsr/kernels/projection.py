@@ -47,19 +47,15 @@ def clip_rows(clip_from_world: Floats, depth_row: Floats) -> Floats:
     return rows
 
 
+@parallel_jit
 def to_clip(vertices: Floats, rows: Floats) -> Floats:
     """Carry world points (V, 3) to clip space (V, 3) by the matrix of :func:`clip_rows`."""
-    clip = np.empty_like(vertices)
-    _to_clip(vertices, rows, clip)
-    return clip
-
-
-@parallel_jit
-def _to_clip(vertices: Floats, rows: Floats, clip: Floats) -> None:
+    clip = np.empty(vertices.shape)
     for i in prange(len(vertices)):
         x, y, z = vertices[i, 0], vertices[i, 1], vertices[i, 2]
         for k in range(3):
             clip[i, k] = rows[k, 0] * x + rows[k, 1] * y + rows[k, 2] * z + rows[k, 3]
+    return clip
 
 
 def to_screen(clip: Floats, perspective: bool, size: tuple[int, int], depths: tuple[float, float]) -> Floats:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from hsr.base.arrays import Array, Ints
-from hsr.base.jit import jit, parallel_jit, prange
+from hsr.base.jit import parallel_jit, prange
 from hsr.kernels.depth_buffer import Form, farthest
 from hsr.kernels.polygon_table import END_LINE, FIRST_LINE
 from hsr.kernels.scanline import scan_polygon
@@ -85,36 +85,19 @@ def _scan_convert(
     form: Form | None,
     counts: Array | None,
 ) -> None:
-    for k in prange(len(strips)):
-        listed = polygon[strips[k, 1] : strips[k, 2]]
-        own = None if counts is None else counts[k]
-        _scan_strip(screen, corner, plane, table, listed, strips[k, 0], directly, buffers, form, own)
-
-
-@jit
-def _scan_strip(
-    screen: Array,
-    corner: Ints,
-    plane: Array,
-    table: Ints,
-    listed: Ints,
-    strip: int,
-    directly: bool | None,
-    buffers: tuple[Array, Ints],
-    form: Form | None,
-    counts: Array | None,
-) -> None:
-    """Scan convert the listed polygons within one strip; only one of the ways is compiled."""
     z, owner = buffers
-    start, end = strip * STRIP, (strip + 1) * STRIP
-    z[start:end] = farthest(form)
-    owner[start:end] = -1
-    for i in listed:
-        lines = max(table[i, FIRST_LINE], start), min(table[i, END_LINE], end)
-        if directly is None:
-            scan_polygon(screen, corner, plane[i], table[i], lines, buffers, form, counts)
-        else:
-            scan_polygon_directly(screen, corner, plane[i], table[i], lines, buffers, form, counts)
+    for k in prange(len(strips)):
+        start, end = strips[k, 0] * STRIP, (strips[k, 0] + 1) * STRIP
+        z[start:end] = farthest(form)
+        owner[start:end] = -1
+        own = None if counts is None else counts[k]
+        for i in polygon[strips[k, 1] : strips[k, 2]]:
+            lines = max(table[i, FIRST_LINE], start), min(table[i, END_LINE], end)
+            # Only one of the ways is compiled.
+            if directly is None:
+                scan_polygon(screen, corner, plane[i], table[i], lines, buffers, form, own)
+            else:
+                scan_polygon_directly(screen, corner, plane[i], table[i], lines, buffers, form, own)
 
 
 def deal_to_strips(table: Ints, height: int) -> tuple[Ints, Array]:

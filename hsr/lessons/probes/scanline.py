@@ -7,7 +7,7 @@ from collections.abc import Callable
 from hsr.algorithms.scanline import Options
 from hsr.kernels.depth_buffer import stored_of
 from hsr.kernels.scanline import draw, edge_below, scan_polygon
-from hsr.kernels.strips import _scan_strip
+from hsr.kernels.strips import _scan_convert
 from hsr.lessons.probes import Beat, Buffers, Look, Names, Probe
 from hsr.problem.view import View
 
@@ -32,7 +32,7 @@ def probe(view: View, options: Options) -> Probe:
             stored_of: ("z",),
             edge_below: ("row", "k", "line", "edge_end", "one_over_m"),
         },
-        buffers={_scan_strip: Look("i", cleared)},
+        buffers={_scan_convert: Look("i", cleared)},
         beats=(Beat(draw, "stored =", sample, lambda names: int(names["face"])),),
         counters={
             "scan lines": (scan_polygon, "first = "),
