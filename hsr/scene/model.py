@@ -11,8 +11,10 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import reduce
+from operator import or_
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeVar, get_args
 
 from flint import fmpq, fmpq_mat
 from pydantic import (
@@ -292,6 +294,8 @@ class Scatter(Description):
 class Thing(Description):
     """What every object has, whatever its shape."""
 
+    if TYPE_CHECKING:
+        shape: str
     name: Name
     transform: List[Step] = ()
     cull: Literal["none", "back", "front"] = "none"
@@ -427,10 +431,10 @@ class Fir(Thing):
     sides: Annotated[int, Field(ge=3, le=256)] = 32
 
 
-Object = Annotated[
-    Square | Cube | Sphere | Cylinder | Polyhedron | Mesh | Teapot | TorusKnot | Terrain | Menger | Fir,
-    Field(discriminator="shape"),
-]
+if TYPE_CHECKING:
+    Object = Thing
+else:
+    Object = Annotated[reduce(or_, Thing.__subclasses__()), Field(discriminator="shape")]
 
 
 # ---------------------------------------------------------------- lights
