@@ -59,14 +59,16 @@ def cast_through_extents(
     work : (H, COUNTS) int64 or None
         Receives the work done for every row.
     """
+    nothing = Best(camera.farthest, NO_OWNER)
     for row in prange(camera.height):
-        rooms = np.empty((2, STACK), PENDING)
+        world = data.objects[len(data.objects) - 1]
+        room, inner_room = np.empty(STACK, PENDING), np.empty(STACK, PENDING)
         done = None if work is None else work[row]
         y = row + 0.5 - 0.5 * camera.height
         for column in range(camera.width):
             x = column + 0.5 - 0.5 * camera.width
             if way.acceleration == HIERARCHY:
-                best = nearest_in_world(x, y, camera, data, way, rooms, done)
+                best = nearest_among_objects(x, y, world, camera, data, way, nothing, room, inner_room, done)
             else:
                 best = nearest_in_extents(x, y, camera, data, way, done)
             face[row, column], depth[row, column] = answer_of(best, camera.perspective)
@@ -173,20 +175,6 @@ def _nearest_below(
 # One walk, compiled twice: numba does not keep compiled functions that call themselves.
 nearest_in_mesh = jit(_nearest_below)
 nearest_among_objects = jit(_nearest_below)
-
-
-@jit
-def nearest_in_world(
-    x: float, y: float, camera: Camera, data: Data, way: Way, rooms: Array, work: Array | None
-) -> Best:
-    """Find the nearest hit of the ray of sample (x, y) through the hierarchy over the objects.
-
-    Parameters
-    ----------
-    rooms : (2, STACK) PENDING
-    """
-    world, nothing = data.objects[len(data.objects) - 1], Best(camera.farthest, NO_OWNER)
-    return nearest_among_objects(x, y, world, camera, data, way, nothing, rooms[0], rooms[1], work)
 
 
 @jit
