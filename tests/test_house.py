@@ -18,9 +18,7 @@ ROOT = Path(hsr.__file__).parent
 BY_STRING = {
     "__init__.py",
     "algorithms/registry.py",
-    "difference/classes.py",
     "lab/stability/cases/__init__.py",
-    "problem/map.py",
 }
 """The files that may import what is named by a string."""
 

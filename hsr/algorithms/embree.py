@@ -21,6 +21,7 @@ from hsr.base.errors import MethodError, UnavailableError
 from hsr.base.jit import thread_count
 from hsr.embree import library
 from hsr.embree.packets import PACKET_SIDE, Sight
+from hsr.problem.geometry import as_float32
 from hsr.problem.map import BACKGROUND, Clock, VisibilityMap, depth_format
 from hsr.problem.view import CULL, View, WorldPolygons
 from hsr.scene.transforms import placed
@@ -122,7 +123,7 @@ def _once(view: View, what: Hashable, make: Callable[[], Made]) -> Made:
 def _handed_over(view: View, polygons: WorldPolygons) -> tuple[Array, Ints, Ints]:
     kept = _facing_the_right_way(view, polygons)
     corner = np.ascontiguousarray(polygons.triangle_vertex[kept])
-    return _as_float32(polygons.vertices), corner, polygons.triangle_face[kept]
+    return as_float32(polygons.vertices, "embree"), corner, polygons.triangle_face[kept]
 
 
 def _facing_the_right_way(view: View, polygons: WorldPolygons) -> Array:
@@ -141,21 +142,13 @@ def _facing_the_right_way(view: View, polygons: WorldPolygons) -> Array:
     return np.flatnonzero(np.choose(cull, [shown[k] for k in range(3)]))
 
 
-def _as_float32(numbers: Floats) -> Array:
-    with np.errstate(over="ignore"):
-        rounded = numbers.astype(np.float32)
-    if not np.isfinite(rounded).all():
-        raise MethodError("embree: the scene has coordinates beyond float32 (3.4e38); scale it down")
-    return rounded
-
-
 def rays(view: View) -> Iterator[tuple[slice, Array, Array]]:
     """Yield bands of rows with their rays: origins at near and directions, (n, 3) float32 each."""
     sight, band = _sight(view), max(RAYS_AT_ONCE // view.width, 1)
     for top in range(0, view.height, band):
         rows = slice(top, min(top + band, view.height))
         whole = sight.of_row.T[rows, None] + sight.of_column.T[: view.width]
-        whole = _as_float32(whole.reshape(-1, 6))
+        whole = as_float32(whole.reshape(-1, 6), "embree")
         yield rows, np.ascontiguousarray(whole[:, :3]), np.ascontiguousarray(whole[:, 3:])
 
 

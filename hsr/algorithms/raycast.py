@@ -21,7 +21,7 @@ from hsr.base.errors import MethodError
 from hsr.kernels import hierarchy, ray_hierarchy, rays, triangle_tests
 from hsr.kernels.projection import nearness_of
 from hsr.kernels.ray_objects import OBJECT, TRIANGLE, Camera, Data
-from hsr.problem.geometry import Geometry
+from hsr.problem.geometry import Geometry, as_float32
 from hsr.problem.map import Clock, VisibilityMap, depth_format
 from hsr.problem.view import Rays, View
 from hsr.scene.shapes import Kind, Polygons, Shape
@@ -321,26 +321,11 @@ def _data(view: View, shapes: _Shapes, options: Options) -> Data:
     """Return what rays are cast into, in the arithmetic and the order that the options want."""
     objects, planes, vertices, nodes = _objects(view, shapes), shapes.planes, shapes.vertices, shapes.nodes
     if options.arithmetic == "float32":
-        planes, vertices = as_float32(planes), as_float32(vertices)
+        planes, vertices = (as_float32(part, "raycast", "choose float64") for part in (planes, vertices))
         objects["margin"] *= COARSER
     if options.acceleration == "hierarchy":
         objects, nodes = _with_world(view, objects, nodes)
     return Data(objects, planes, vertices, shapes.triangles, nodes)
-
-
-def as_float32(numbers: Floats) -> Array:
-    """Round to float32.
-
-    Raises
-    ------
-    MethodError
-        If a number is beyond float32.
-    """
-    with np.errstate(over="ignore"):
-        rounded = numbers.astype(np.float32)
-    if not np.isfinite(rounded).all():
-        raise MethodError("raycast: the scene has coordinates beyond float32 (3.4e38); choose float64")
-    return rounded
 
 
 def _objects(view: View, shapes: _Shapes) -> Array:

@@ -127,10 +127,11 @@ def _part(module: str, name: str) -> Any:
         raise MethodError(f"{module} has no {name}, which the row of a method names") from error
 
 
-def _variant(of: Method, name: str, about: str, **settings: Any) -> Method:
+def _variant(of: Method, name: str, about: str, *flags: str, **settings: Any) -> Method:
     """Make a variant of a method, not certified; its settings come on top of those of the method."""
-    settings = {**of.settings, **settings}
-    return replace(of, name=f"{of.name}-{name}", about=about, settings=settings, certified=False)
+    row = replace(of, name=f"{of.name}-{name}", about=about, settings={**of.settings, **settings})
+    changed: dict[str, Any] = {"certified": False} | dict.fromkeys(flags, True)
+    return replace(row, **changed)
 
 
 SCANLINE = Method(
@@ -229,23 +230,19 @@ BUILT_IN = (
     RAYCAST,
     _variant(RAYCAST, "plain", "the same without certification: rounding decides", certified=False),
     _variant(RAYCAST, "single", "ray casting, one ray at a time through extents and hierarchies", **SINGLE),
-    replace(
-        _variant(
-            RAYCAST,
-            "extents",
-            "ray casting over the object list, an extent around every object",
-            acceleration="extents",
-        ),
-        exhaustive=True,
+    _variant(
+        RAYCAST,
+        "extents",
+        "ray casting over the object list, an extent around every object",
+        "exhaustive",
+        acceleration="extents",
     ),
-    replace(
-        _variant(
-            RAYCAST,
-            "list",
-            "ray casting as the textbook has it: every ray against the whole object list",
-            acceleration="none",
-        ),
-        exhaustive=True,
+    _variant(
+        RAYCAST,
+        "list",
+        "ray casting as the textbook has it: every ray against the whole object list",
+        "exhaustive",
+        acceleration="none",
     ),
     *(
         _variant(RAYCAST, name, f"ray casting, single rays, {about}", **settings)
@@ -278,9 +275,12 @@ BUILT_IN = (
         "Embree's library, packets of 4 x 4 coherent rays on all threads",
         interface="packets",
     ),
-    replace(
-        _variant(EMBREE, "single", "Embree's library, one ray at a time on all threads", interface="single"),
-        asked_only=True,
+    _variant(
+        EMBREE,
+        "single",
+        "Embree's library, one ray at a time on all threads",
+        "asked_only",
+        interface="single",
     ),
 )
 

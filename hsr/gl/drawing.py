@@ -16,7 +16,7 @@ from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.errors import MethodError
 from hsr.gl.context import Context
 from hsr.gl.depth import D24, DepthBuffer, clip_range, depth_texture
-from hsr.problem.geometry import CULL, WorldPolygons
+from hsr.problem.geometry import CULL, WorldPolygons, as_float32
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import View
 
@@ -51,7 +51,7 @@ class Triangles:
     """
 
     def __init__(self, context: Context, polygons: WorldPolygons) -> None:
-        vertices = _as_float32(polygons.vertices)
+        vertices = as_float32(polygons.vertices, "opengl")
         with context.gl as gl:
             corner = gl.buffer(np.ascontiguousarray(polygons.triangle_vertex))
             content = [(gl.buffer(vertices), "3f", "vertex")]
@@ -87,7 +87,7 @@ class Drawing:
         _check_size(view, context.max_side)
         geometry = view.tessellated().geometry
         self._triangles = geometry.once(("opengl", context), lambda: Triangles(context, geometry.polygons))
-        matrix = _as_float32(buffer.clip_from_world(view))
+        matrix = as_float32(buffer.clip_from_world(view), "opengl")
         self.view = view
         self._buffer = buffer
         self.vertices, self.triangles = self._triangles.vertices, len(self._triangles.face_of) - 1
@@ -195,14 +195,6 @@ def _check_size(view: View, max_side: int) -> None:
             f"opengl: this driver draws at most {max_side} samples a side, "
             f"not {view.width}x{view.height}; choose a smaller size"
         )
-
-
-def _as_float32(numbers: Floats) -> Array:
-    with np.errstate(over="ignore"):
-        rounded = numbers.astype(np.float32)
-    if not np.isfinite(rounded).all():
-        raise MethodError("opengl: the scene has coordinates beyond float32 (3.4e38); scale it down")
-    return rounded
 
 
 def _runs(cull: Array) -> list[tuple[int, int, int]]:

@@ -28,10 +28,11 @@ from dataclasses import replace
 import numpy as np
 
 from hsr.algorithms.prepare.ray_tiles import clip_matrices
-from hsr.algorithms.raycast import Options, as_float32, cast_by_list, render, screen_matrices
+from hsr.algorithms.raycast import Options, cast_by_list, render, screen_matrices
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.models.rounded import seen_along_third, true_faces
 from hsr.models.stages import Cause, Stage, at_samples, ending, rerun
+from hsr.problem.geometry import as_float32
 from hsr.problem.view import Placement, View
 from hsr.scene.shapes import Kind
 
@@ -77,7 +78,7 @@ def _rounded(placement: Placement) -> Placement:
     polygons = placement.shape.polygons
     if polygons is None:
         return placement
-    vertices = as_float32(polygons.vertices).astype(np.float64)
+    vertices = as_float32(polygons.vertices, "raycast", "choose float64").astype(np.float64)
     return replace(placement, shape=replace(placement.shape, polygons=replace(polygons, vertices=vertices)))
 
 

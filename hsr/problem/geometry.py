@@ -15,8 +15,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from hsr.base.arrays import Floats, Ints
-from hsr.base.errors import ViewError
+from hsr.base.arrays import Array, Floats, Ints
+from hsr.base.errors import MethodError, ViewError
 from hsr.scene.files import shape_of
 from hsr.scene.model import Scene, exact_determinant
 from hsr.scene.shapes import MAX_FACES, Polygons, Shape, tessellated
@@ -261,3 +261,18 @@ def _join(parts: list[WorldPolygons]) -> WorldPolygons:
         np.concatenate([part.face for part in parts]),
         np.concatenate([part.cull for part in parts]),
     )
+
+
+def as_float32(numbers: Floats, method: str, remedy: str = "scale it down") -> Array:
+    """Round to float32.
+
+    Raises
+    ------
+    MethodError
+        If a number is beyond float32; the text names the method, and what to do.
+    """
+    with np.errstate(over="ignore"):
+        rounded = numbers.astype(np.float32)
+    if not np.isfinite(rounded).all():
+        raise MethodError(f"{method}: the scene has coordinates beyond float32 (3.4e38); {remedy}")
+    return rounded
