@@ -161,12 +161,7 @@ class _Bench:
     """Where small scenes are put together from parts of a scene, and tried."""
 
     def __init__(
-        self,
-        scene: Scene,
-        view: View,
-        sample: tuple[int, int],
-        methods: tuple[str, str],
-        camera: str | None,
+        self, scene: Scene, view: View, sample: tuple[int, int], methods: tuple[str, str], camera: str | None
     ) -> None:
         self.view, self.sample, self.methods = view, sample, methods
         self.camera = next(one for one in scene.camera if camera in (None, one.name))

@@ -57,10 +57,7 @@ def _open_egl() -> Context:
     raise NoOpenGLError(reasons[0])
 
 
-BACKENDS: dict[str, Callable[[], Context]] = {
-    "osmesa": lambda: _proven("osmesa", OSMesa()),
-    "egl": _open_egl,
-}
+BACKENDS: dict[str, Callable[[], Context]] = {"osmesa": lambda: _proven("osmesa", OSMesa()), "egl": _open_egl}
 """How each backend opens a context, in the order in which they are tried."""
 
 

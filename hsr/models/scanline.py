@@ -32,15 +32,7 @@ from itertools import pairwise
 import numpy as np
 
 from hsr.algorithms.prepare.depth_formats import unrounded
-from hsr.algorithms.scanline import (
-    TESTS,
-    Options,
-    cull_on_screen,
-    depths_in,
-    render,
-    screen_of,
-    upright,
-)
+from hsr.algorithms.scanline import TESTS, Options, cull_on_screen, depths_in, render, screen_of, upright
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.kernels.clipping import clip_polygons, view_volume
 from hsr.kernels.polygon_table import polygon_table

@@ -81,12 +81,7 @@ def assert_agree(
 
 
 def assert_same_visibility(
-    a: VisibilityMap,
-    b: VisibilityMap,
-    *,
-    scene: Showing = None,
-    camera: str | None = None,
-    **limits: Any,
+    a: VisibilityMap, b: VisibilityMap, *, scene: Showing = None, camera: str | None = None, **limits: Any
 ) -> None:
     """Assert that two maps show the same face at every sample.
 

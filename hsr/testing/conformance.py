@@ -101,13 +101,7 @@ TRIALS = (
         "what is culled is not there",
         (
             _thing("inside", "cube", cull="front"),
-            _thing(
-                "back",
-                "square",
-                {"rotate_y": 180.0},
-                {"translate": [0, 0, 2]},
-                cull="back",
-            ),
+            _thing("back", "square", {"rotate_y": 180.0}, {"translate": [0, 0, 2]}, cull="back"),
             _thing("wall", "square", {"scale": 3}, {"translate": [0, 0, -3]}, cull="none"),
         ),
         _eye(-0.05, 0.22),

@@ -142,11 +142,7 @@ class Judgement:
 
 
 def judge(
-    name: str,
-    shown: VisibilityMap,
-    expected: VisibilityMap,
-    limits: Limits,
-    subject: Subject | None = None,
+    name: str, shown: VisibilityMap, expected: VisibilityMap, limits: Limits, subject: Subject | None = None
 ) -> Judgement:
     """Judge a map against another, by face id.
 

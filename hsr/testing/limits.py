@@ -14,11 +14,7 @@ from hsr.scene.validation import nearest
 REFERENCE_WRONG = "reference wrong"
 """The cause of samples at which the judged map is right, and the map it is judged against is not."""
 
-CAUSES = (
-    *(cause.label for cause in Cause if cause),
-    *(kind.label for kind in OTHER_OWNER),
-    REFERENCE_WRONG,
-)
+CAUSES = (*(cause.label for cause in Cause if cause), *(kind.label for kind in OTHER_OWNER), REFERENCE_WRONG)
 """What ``allow`` may name: causes where they are known, else classes of difference."""
 
 COUNTS = ("max_diff_pixels", "max_diff_ratio", "max_cluster")

@@ -54,8 +54,5 @@ def probe(view: View, _options: Any) -> Probe:
             Beat(fill.fill, "inside, nearer_by =", sample, tested),
             Beat(settle.note, "inner, z =", place("line", "column"), nobody),
         ),
-        counters={
-            "samples tested": (fill.fill, "place ="),
-            "in doubt on an edge": (settle.note, "write("),
-        },
+        counters={"samples tested": (fill.fill, "place ="), "in doubt on an edge": (settle.note, "write(")},
     )

@@ -242,9 +242,7 @@ def touching_solids(thickness: float, side: int) -> Scene:
             "2^-26.5: tilt^2 = 2^-53",
         ),
         Variant(
-            "raycast-single",
-            lambda side: 0.5 * side * side * U64,
-            "2^-53 W^2 / 2: the distance to the wall",
+            "raycast-single", lambda side: 0.5 * side * side * U64, "2^-53 W^2 / 2: the distance to the wall"
         ),
     ),
 )

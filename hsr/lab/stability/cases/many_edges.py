@@ -8,16 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hsr.lab.stability.building import (
-    closed_fan,
-    flat,
-    grid,
-    mesh,
-    panel,
-    parallel,
-    powers_of_two,
-    scene_of,
-)
+from hsr.lab.stability.building import closed_fan, flat, grid, mesh, panel, parallel, powers_of_two, scene_of
 from hsr.lab.stability.family import Variant, hard_case
 from hsr.scene.model import Scene
 

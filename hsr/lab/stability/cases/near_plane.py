@@ -4,15 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hsr.lab.stability.building import (
-    central,
-    closed_fan,
-    mesh,
-    powers_of_two,
-    rectangle,
-    scene_of,
-    wall,
-)
+from hsr.lab.stability.building import central, closed_fan, mesh, powers_of_two, rectangle, scene_of, wall
 from hsr.lab.stability.family import Variant, hard_case
 from hsr.mistakes.renderers import Buffer
 from hsr.scene.model import Scene

@@ -78,12 +78,7 @@ def driven(name: str, kept: str, because: str, curve: Curve) -> Variant:
     """
     options = {"depth_format": kept}
     return resolved(
-        name,
-        because,
-        lambda at: max(curve(at), spacing(at)),
-        method="opengl",
-        options=options,
-        excess=2.0,
+        name, because, lambda at: max(curve(at), spacing(at)), method="opengl", options=options, excess=2.0
     )
 
 
