@@ -69,10 +69,10 @@ def inserted(source: str, where: str, name: str, text: str) -> str:
     return "".join([*lines[:at], text, "\n", *lines[at:]])
 
 
-def run(copy: Path, code: str) -> str:
+def run(copy: Path, code: str, ends: int = 0) -> str:
     env = {**os.environ, "PYTHONPATH": str(copy), "NUMBA_DISABLE_JIT": "1", "NO_COLOR": "1"}
     done = subprocess.run([sys.executable, "-c", code], cwd=copy, env=env, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    assert done.returncode in (0, ends), done.stderr
     return done.stdout
 
 
@@ -86,6 +86,14 @@ def test_a_new_method_is_in_the_tables(changed: Path) -> None:
         "print(hsr.render(scene, 'nothing', size=(4, 3)).face.max())",
     )
     assert shown == "-1\n"
+
+
+def test_a_new_method_is_compared(changed: Path) -> None:
+    scenes = [str(ROOT / "scenes" / f"{name}.toml") for name in ("cube", "cyclic")]
+    words = ["compare", *scenes, "-a", "nothing", "--ref", "backface", "--size", "8"]
+    assert "nothing" in run(
+        changed, f"import sys; from hsr.cli import main; sys.argv[1:] = {words}; main()", 1
+    )
 
 
 def test_a_new_shape_is_seen(changed: Path) -> None:

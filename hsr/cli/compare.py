@@ -151,7 +151,7 @@ def _sum_cells(studies: Sequence[Study], name: str) -> tuple[str, ...]:
     ran = [found for found in studies if name in found.maps]
     if not ran:
         return ("0", _absence(studies[0], name))
-    total = f"{1e3 * sum(found.maps[name].seconds['render'] for found in ran):,.0f} ms"
+    total = f"{1e3 * sum(found.maps[name].seconds.get('render', 0.0) for found in ran):,.0f} ms"
     judged = [found for found in ran if name in found.differences]
     if not judged:
         return (str(len(ran)), "reference", "", "", "", total)

@@ -1,4 +1,8 @@
-"""The cube: |x|, |y|, |z| <= 1."""
+"""The cube: |x|, |y|, |z| <= 1.
+
+Its six planes, in the order of its faces: top y = 1, bottom y = -1, right x = 1, left x = -1, front z = 1 and
+back z = -1. They go through the corners, which are what is written down.
+"""
 
 from __future__ import annotations
 
