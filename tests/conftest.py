@@ -8,8 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import settings
 
 pytest_plugins = "pytester"
+
+# The first example may import a library: only the suite as a whole is timed.
+settings.register_profile("hsr", deadline=None)
+settings.load_profile("hsr")
 
 SCENES = Path(__file__).parent.parent / "scenes"
 JIT = os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0")

@@ -72,6 +72,8 @@ def render(view: View, options: Options) -> VisibilityMap:
         If the view is beyond the driver's limits.
     """
     context = shared_context(options.backend)
+    with context.gl as gl:
+        gl.gc()  # what scenes left behind that are gone; not counted
     clock = Clock()
     with clock("prepare"):
         drawing = Drawing(context, view, options.buffer)

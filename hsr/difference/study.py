@@ -179,7 +179,8 @@ def _run(method: Method, problem: View, patient: bool) -> VisibilityMap:
             f"name it to run it all the same"
         )
     method.warm_up(problem)
-    return method.render(replace(problem))  # a fresh view: none profits from what another prepared
+    # A geometry of its own: none profits from what another prepared.
+    return method.render(replace(problem, placements=tuple(problem.placements)))
 
 
 def _agreement(maps: Sequence[VisibilityMap]) -> Array:

@@ -94,7 +94,6 @@ class Drawing:
         self._matrix = tuple(matrix.T.ravel())  # OpenGL's matrices are column after column
         self._context = context
         with context.gl as gl:
-            gl.gc()
             self._make_room(gl, (view.width, view.height))
 
     def _make_room(self, gl: moderngl.Context, size: tuple[int, int]) -> None:

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
+from numba.core.dispatcher import Dispatcher
 
 KERNELS = "hsr.kernels."
 
@@ -19,17 +20,16 @@ def python_of(kernel: Callable[..., Any]) -> Callable[..., Any]:
 
 @contextmanager
 def interpreted() -> Iterator[None]:
-    """Let the kernels call each other's Python functions instead of the compiled ones.
+    """Let the kernels, and whoever calls them, have the Python functions instead of the compiled ones.
 
-    Only names within the kernels' modules change, and only until the end of the ``with`` block. Keys of depth
-    buffers are unsigned and wrap around on purpose, of which NumPy would warn.
+    The names change in every module that has them, and only until the end of the ``with`` block. Keys of
+    depth buffers are unsigned and wrap around on purpose, of which NumPy would warn.
     """
-    modules = [module for name, module in sys.modules.items() if name.startswith(KERNELS)]
     compiled = [
         (vars(module), name, value)
-        for module in modules
+        for module in list(sys.modules.values())
         for name, value in vars(module).items()
-        if hasattr(value, "py_func")
+        if isinstance(value, Dispatcher) and value.py_func.__module__.startswith(KERNELS)
     ]
     try:
         for names, name, kernel in compiled:

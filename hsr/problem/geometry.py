@@ -1,8 +1,8 @@
 """The objects of a scene in world space, prepared once for all views of them.
 
-What does not depend on the camera is made when first asked for, kept here, and freed with the scene: the
-polygons in world space, the hash of the scene, and what methods prepare for themselves, such as clusters,
-hierarchies, buffers of OpenGL. A second camera pays for its picture only.
+What does not depend on the camera is made when first asked for, kept here, and freed with the scene and its
+views: the polygons in world space, the hash of the scene, and what methods prepare for themselves, such as
+clusters, hierarchies, buffers of OpenGL. A second camera pays for its picture only.
 """
 
 from __future__ import annotations
@@ -158,6 +158,8 @@ class Geometry(tuple[Placement, ...]):
 
 def geometry_of(scene: Scene) -> Geometry:
     """Return the geometry of a scene; the scene keeps it.
+
+    Mesh files are read once: load the scene again to see what has changed in them.
 
     Raises
     ------

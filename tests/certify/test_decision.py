@@ -376,7 +376,7 @@ def agrees(answer: Truth, found: Resolved) -> None:
     assert (found.face == answer.face.ravel()).all()
     # The oracle's depths are within 0.51 ulp of the true ones.
     depth = answer.depth.ravel()[found.face >= 0]
-    assert (np.abs(found.depth[found.face >= 0] - depth) <= np.spacing(depth)).all()
+    assert (np.abs(found.depth[found.face >= 0] - depth) <= np.spacing(np.abs(depth))).all()
 
 
 @pytest.mark.jit

@@ -137,3 +137,18 @@ def test_against_the_truth_every_wrong_sample_has_a_cause(make_scene: Any) -> No
 def test_only_the_truth_knows_causes(make_scene: Any) -> None:
     found = study(make_scene([{"name": "box", "shape": "cube"}]), ["raycast"], "zbuffer", (8, 8))
     assert found.causes == {}
+
+
+def test_no_method_profits_from_what_another_prepared(
+    make_scene: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = []
+    honest = Method.render
+
+    def keep(self: Method, view: View, **options: Any) -> VisibilityMap:
+        given.append(view.geometry)
+        return honest(self, view, **options)
+
+    monkeypatch.setattr(Method, "render", keep)
+    study(make_scene([{"name": "cube", "shape": "cube"}]), ["backface", "painter"], "backface", (8, 8))
+    assert len({id(geometry) for geometry in given}) == len(given) == 4

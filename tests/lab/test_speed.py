@@ -160,7 +160,7 @@ def test_every_turn_has_a_view_of_its_own(register: Any, cube: Case) -> None:
     register(keeper=keep)
     measure([cube], ["keeper"], 3)
     full = [view for view in given if view.width == 16]
-    assert len(full) == 4 and len({id(view.placements[0].shape) for view in [cube.view, *full]}) == 5
+    assert len(full) == 4 and len({id(view.geometry) for view in [cube.view, *full]}) == 5
 
 
 def test_nothing_prepared_is_used_again(make_scene: Any) -> None:

@@ -137,7 +137,7 @@ def test_the_line_that_has_run_is_marked_and_its_numbers_are_in_the_formula(open
     tab = open_lesson("depth-buffer")
     tab.keyboard.press("PageDown")
     tab.keyboard.press("PageDown")
-    assert tab.text_content("#lines [aria-current]").strip() == "depth += z_step"
+    assert tab.text_content("#lines [aria-current]").strip() == "z -= z_across"
     told = tab.text_content("#formula")
     numbers = [
         float(text.strip("()").replace("−", "-"))

@@ -61,7 +61,9 @@ def quadrics_of(view: View, things: Array, pieces: Array, extent: Floats, eye: E
     for one, placement, o, v, s in zip(
         made, placements, origin @ to_place, step @ to_place, scale, strict=True
     ):
-        line = _Sight(np.vstack([o, [0, 0, s]]), np.vstack([v, [0, 0, 0]]), g, view.perspective)
+        # As objects: NumPy would make a list with a number of 64 bits one of floats.
+        last = np.array([[0, 0, s], [0, 0, 0]], object)
+        line = _Sight(np.vstack([o, last[:1]]), np.vstack([v, last[1:]]), g, view.perspective)
         _set_up(one, line, cast(Quadric, placement.shape.quadric), placement.shape.faces - 1)
     return made
 

@@ -87,6 +87,13 @@ ABOVE = {"type": "orthographic", "eye": [0.0, 0.0, 8.0], "height": 8.0, "near": 
 """Samples at -3.5, -2.5, ..., 3.5 if the image is 8 x 8."""
 
 
+def test_whole_numbers_of_64_bits_stay_whole() -> None:
+    eye = {"type": "orthographic", "eye": [0, 0, 5], "height": 4.0, "near": 1.0, "far": 9.0}
+    for scale in ([2.0**25, 2.0**25, 1.0], [2.0**-25, 1.0, 1.0]):
+        ball = {"name": "ball", "shape": "sphere", "transform": [{"scale": scale}]}
+        check(view(hsr.Scene.model_validate({"hsr": 1, "camera": [eye], "object": [ball]}), (8, 8)))
+
+
 def above(*objects: dict[str, Any], side: int = 8, **camera: Any) -> View:
     return view(scene(list(objects), ABOVE | {"target": [0.0, 0.0, 0.0]} | camera), (side, side))
 
