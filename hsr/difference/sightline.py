@@ -9,8 +9,7 @@ together; so many cost little more each than what is told of them.
 from __future__ import annotations
 
 import math
-import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -18,20 +17,23 @@ from itertools import chain, pairwise
 
 import numpy as np
 
-from hsr.base.arrays import Array, Bools, Ints, ranges
+from hsr.base.arrays import Array, Bools, ranges
 from hsr.difference.nearby import REACH, Nearby, check_sample, faces_nearby
 from hsr.exact.decide import Form, Piece
 from hsr.exact.depths import depth_quotient
 from hsr.exact.infinitesimals import Polynomial, at, beside, coefficients
-from hsr.exact.numbers import Frame, frame_of, integers
+from hsr.exact.numbers import Frame, frame_of, points
 from hsr.exact.numbers import samples as coordinates
 from hsr.exact.oracle import answers
-from hsr.exact.planes import Triangles, cross, on_planes, triangles_of
+from hsr.exact.planes import cross, on_planes, triangles_of
 from hsr.exact.quadrics import form, rounds_of
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import CULL, Placement, View
 
 FRONT, BACK, EDGE_ON = "front", "back", "edge-on"
+
+SIDES = (EDGE_ON, FRONT, BACK)
+"""What is seen of a face by how it turns: 0, 1 or -1."""
 
 CULLED = {CULL["none"]: "", CULL["back"]: BACK, CULL["front"]: FRONT}
 """The side that an object culls."""
@@ -141,9 +143,9 @@ def sightlines(nearby: Nearby) -> dict[int, Sightline]:
     ViewError
         If the view has no exact answer.
     """
-    lines, name = _Lines.of(nearby.view), [*nearby.origin.tolist(), BACKGROUND]
+    frame, name = frame_of(nearby.view), [*nearby.origin.tolist(), BACKGROUND]
     found: dict[int, list[Layer]] = {sample: [] for sample in nearby.samples.tolist()}
-    for sample, layer in chain(_flat_layers(nearby, lines), _curved_layers(nearby, lines)):
+    for sample, layer in chain(_flat_layers(nearby, frame), _curved_layers(nearby, frame)):
         found[sample].append(layer)
     told = {}
     for sample, (owner, admissible) in answers(nearby.view, nearby.samples).items():
@@ -162,55 +164,21 @@ def _order(layer: Layer) -> tuple[int, Fraction | float]:
 # ---------------------------------------------------------------- layers
 
 
-@dataclass(frozen=True, eq=False)
-class _Lines:
-    """The lines of sight of a view in exact numbers, from the eye to infinity.
-
-    Attributes
-    ----------
-    opened : View
-        All there is in front of the eye.
-    frame : Frame
-    limits : dict of str to (4,) object
-        Forms that are negative in front of ``near`` and behind ``far``.
-    i, j : (W,), (H,) object
-        Coordinates of the columns and rows.
-    """
-
-    opened: View
-    frame: Frame
-    limits: Mapping[str, Array]
-    i: Array
-    j: Array
-
-    @classmethod
-    def of(cls, view: View) -> _Lines:
-        opened = _opened(view)
-        frame = frame_of(opened)
-        limits = {}
-        for name, sign, limit in (("near", 1, view.near), ("far", -1, view.far)):
-            if limit < float("inf"):
-                above, below = limit.as_integer_ratio()
-                limits[name] = sign * (below * frame.depth - above * frame.unit)
-        i, j = (axis.astype(object) for axis in coordinates(view))
-        return cls(opened, frame, limits, i, j)
-
-    def at(self, sample: Array) -> tuple[Array, Array]:
-        """Return the coordinates of samples (n,)."""
-        return self.i[sample % len(self.i)], self.j[sample // len(self.i)]
-
-
-def _opened(view: View, cull: str = "none") -> View:
-    """See all there is in front of the eye, or all of one side."""
+def _opened(view: View, frame: Frame, cull: str = "none") -> tuple[View, Frame]:
+    """See all there is in front of the eye, or all of one side: nothing is clipped by near and far."""
     placements = tuple(replace(placement, cull=CULL[cull]) for placement in view.placements)
-    near = 0.0 if view.perspective else -sys.float_info.max
-    return replace(view, placements=placements, near=near, far=float("inf"))
+    return replace(view, placements=placements), replace(frame, limits=frame.limits[:0])
 
 
-def _triangles_of(triangles: Triangles, face: Ints) -> tuple[Array, Array]:
-    """List the triangles of faces (n,): which of the faces each is of, and its number."""
-    first, end = (np.searchsorted(triangles.face, face, side=side) for side in ("left", "right"))
-    return ranges(first, end)
+def _clippers(frame: Frame) -> Iterator[tuple[str, Array]]:
+    """Yield what clips, and the form that is negative where it does."""
+    return zip(("near", "far"), frame.limits, strict=False)
+
+
+def _at(view: View, sample: Array) -> tuple[Array, Array]:
+    """Return the coordinates of samples (n,) as Python integers, which do not overflow."""
+    i, j = coordinates(view)
+    return i[sample % view.width].astype(object), j[sample // view.width].astype(object)
 
 
 def _affine(forms: Array, i: Array, j: Array) -> Array:
@@ -227,114 +195,81 @@ def _conic(polynomial: Polynomial, i: Array, j: Array) -> Array:
 # ---------------------------------------------------------------- flat faces
 
 
-@dataclass(frozen=True, eq=False)
-class _Outlines:
-    """The outlines of polygons on the image.
+def _outlines(view: View, frame: Frame) -> tuple[Array, Array, Array]:
+    """Return the outlines of faces on the image; none of those that are curved or edge-on.
 
-    Attributes
-    ----------
-    face : (P,) int64
-        Ascending.
-    facing, culls : sequence of str
-        How each faces the eye, and which side of it is culled.
+    Returns
+    -------
     edges : (E, 3) object
-        Affine functions of the sample, positive within the polygon; none of those that are edge-on.
-    start : (P + 1,) int64
+        Affine functions of the sample, positive within the polygon.
+    start : (F + 1,) int64
+        Those of face k are ``edges[start[k]:start[k + 1]]``.
+    side : (F,) int64
+        Which side is seen, by its place in ``SIDES``.
     """
-
-    face: Array
-    facing: Sequence[str]
-    culls: Sequence[str]
-    edges: Array
-    start: Array
-
-    @classmethod
-    def of(cls, view: View, frame: Frame) -> _Outlines:
-        flat = [placement for placement in view.placements if not placement.shape.curved]
-        face = [placement.first + np.arange(placement.shape.faces) for placement in flat]
-        culls = [CULLED[placement.cull] for placement in flat for _ in range(placement.shape.faces)]
-        facing: list[str] = []
-        edges, sides = [np.zeros((0, 3), dtype=object)], [np.zeros(1, dtype=np.int64)]
-        for placement in flat:
-            inward, turn, size = _edges(placement, frame)
-            ahead = FRONT, BACK
-            facing += [EDGE_ON if side == 0 else ahead[(side < 0) != placement.mirrored] for side in turn]
-            edges.append(inward)
-            sides.append(size)
-        return cls(
-            np.concatenate([np.zeros(0, dtype=np.int64), *face]),
-            facing,
-            culls,
-            np.concatenate(edges),
-            np.cumsum(np.concatenate(sides)),
-        )
-
-    def distances(self, polygon: Array, sample: Array, lines: _Lines) -> Iterator[list[float]]:
-        """Yield for polygons (n,) and samples (n,) how many pixels each sample is from each edge, inside."""
-        which, edge = ranges(self.start[polygon], self.start[polygon + 1])
-        form = self.edges[edge]
-        value = _affine(form[:, None], *lines.at(sample[which]))[:, 0]
-        square = (self.edges[:, :2] ** 2).sum(axis=1)[edge]
-        pixel = np.frompyfunc(pixels_to_zero, 2, 1)(value, square).tolist()
-        ends = np.searchsorted(which, np.arange(len(polygon) + 1)).tolist()
-        return (pixel[first:end] for first, end in pairwise(ends))
+    found = [(np.zeros((0, 3), object), np.zeros(1, np.int64), np.zeros(0, np.int64))]
+    found += [_edges(placement, frame) for placement in view.placements]
+    edges, sizes, side = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    return edges, np.cumsum(sizes), side
 
 
 def _edges(placement: Placement, frame: Frame) -> tuple[Array, Array, Array]:
-    """Return the edges of an object's polygons, positive inside, their turns and numbers of edges.
+    """Return the edges of an object's polygons, positive inside, how many each has, and the side seen.
 
     A polygon turns as its triangles do, which are a fan about its first corner.
     """
     polygons = placement.shape.polygons
-    assert polygons is not None, "a curved shape has no edges"
-    points = np.column_stack([polygons.vertices, np.ones(len(polygons.vertices))])
-    corners = (integers(points) @ frame.placed(placement.world_from_object).T)[polygons.corner]
-    first, sides = polygons.start[:-1], np.diff(polygons.start)
+    if polygons is None:
+        nothing = np.zeros(placement.shape.faces, np.int64)
+        return np.zeros((0, 3), object), nothing, nothing
+    corners = (points(polygons.vertices) @ frame.placed(placement.world_from_object).T)[polygons.corner]
+    first, sizes = polygons.start[:-1], np.diff(polygons.start)
     after = np.arange(1, len(corners) + 1)
     after[polygons.start[1:] - 1] = first
     edges = cross(corners, corners[after])
-    turn = np.add.reduceat((edges * np.repeat(corners[first, :3], sides, axis=0)).sum(axis=1), first)
-    kept = np.repeat(turn != 0, sides)
-    inward = edges * np.repeat(np.where(turn > 0, 1, -1), sides)[:, None]
-    return inward[kept], turn, np.where(turn != 0, sides, 0)
+    turn = np.add.reduceat((edges * np.repeat(corners[first, :3], sizes, axis=0)).sum(axis=1), first)
+    turn = np.sign(turn).astype(np.int64)
+    each = np.repeat(turn, sizes)
+    side = -turn if placement.mirrored else turn
+    return (edges * each[:, None])[each != 0], np.where(turn != 0, sizes, 0), side
 
 
-def _flat_layers(nearby: Nearby, lines: _Lines) -> Iterator[tuple[int, Layer]]:
+def _flat_layers(nearby: Nearby, frame: Frame) -> Iterator[tuple[int, Layer]]:
     """Yield the samples and the planar faces that cover them, or miss them by less than a pixel."""
-    outlines = _Outlines.of(nearby.view, lines.frame)
-    polygon = np.searchsorted(outlines.face, nearby.face)
-    edges = outlines.distances(polygon, nearby.sample, lines)
-    pairs = zip(nearby.sample.tolist(), nearby.face.tolist(), polygon.tolist(), edges, strict=True)
-    met = _met(nearby, lines)
-    for pair, (sample, face, k, distances) in enumerate(pairs):
+    view, edges, start, side = nearby.view, *_outlines(nearby.view, frame)
+    which, edge = ranges(start[nearby.face], start[nearby.face + 1])
+    value = _affine(edges[edge][:, None], *_at(view, nearby.sample[which]))[:, 0]
+    square = (edges[:, :2] ** 2).sum(axis=1)[edge]
+    pixel = np.frompyfunc(pixels_to_zero, 2, 1)(value, square).tolist()
+    ends = np.searchsorted(which, np.arange(len(nearby.face) + 1)).tolist()
+    pairs = zip(nearby.sample.tolist(), nearby.face.tolist(), pairwise(ends), strict=True)
+    met, owner = _met(nearby, frame), view.object_of(nearby.face).tolist()
+    for pair, (sample, face, (first, end)) in enumerate(pairs):
         depth, clipped = met.get(pair, (None, ""))
-        if depth is None and min(distances, default=0.0) <= -REACH:
+        if depth is None and min(pixel[first:end], default=0.0) <= -REACH:
             continue
-        facing = outlines.facing[k]
-        removed = "culled" if facing == outlines.culls[k] else clipped
-        named = {f"edge {n}": distance for n, distance in enumerate(distances)}
+        facing = SIDES[side[face]]
+        removed = "culled" if facing == CULLED[view.placements[owner[pair]].cull] else clipped
+        named = {f"edge {n}": distance for n, distance in enumerate(pixel[first:end])}
         yield sample, Layer(int(nearby.origin[face]), facing, named, depth, removed)
 
 
-def _met(nearby: Nearby, lines: _Lines) -> dict[int, tuple[Fraction, str]]:
+def _met(nearby: Nearby, frame: Frame) -> dict[int, tuple[Fraction, str]]:
     """Tell of the pairs whose face covers the sample how deep it lies, and what clips it."""
-    triangles = triangles_of(lines.opened, lines.frame)
-    pair, triangle = _triangles_of(triangles, nearby.face)
-    half, at = triangles.half[triangle], lines.at(nearby.sample[pair])
+    triangles = triangles_of(*_opened(nearby.view, frame))
+    ends = (np.searchsorted(triangles.face, nearby.face, side=side) for side in ("left", "right"))
+    pair, triangle = ranges(*ends)
+    half, at = triangles.half[triangle], _at(nearby.view, nearby.sample[pair])
     (inside,) = np.nonzero((_beside(half, _affine(half, *at)) >= 0).all(axis=1))
     pair, once = np.unique(pair[inside], return_index=True)
     zeta, det = triangles.zeta[triangle[inside[once]]], triangles.det[triangle[inside[once]]]
-    at = lines.at(nearby.sample[pair])
+    at = _at(nearby.view, nearby.sample[pair])
     clipped = np.full(len(pair), "", dtype=object)
-    for name, limit in reversed([*lines.limits.items()]):
+    for name, limit in reversed([*_clippers(frame)]):
         form = on_planes(limit, zeta, det)[:, None]
         clipped[_beside(form, _affine(form, *at))[:, 0] < 0] = name
-    above, below = (
-        _affine(form[None, None, :3], *at)[:, 0] * det + form[3] * _affine(zeta[:, None], *at)[:, 0]
-        for form in (lines.frame.depth, lines.frame.unit)
-    )
-    depths = map(Fraction, above.tolist(), below.tolist())
-    return dict(zip(pair.tolist(), zip(depths, clipped.tolist(), strict=True), strict=True))
+    values = (_affine(on_planes(form, zeta, det)[:, None], *at)[:, 0] for form in (frame.depth, frame.unit))
+    return dict(zip(pair.tolist(), zip(map(Fraction, *values), clipped.tolist(), strict=True), strict=True))
 
 
 def _beside(forms: Array, value: Array) -> Array:
@@ -350,44 +285,35 @@ def _beside(forms: Array, value: Array) -> Array:
 # ---------------------------------------------------------------- curved faces
 
 
-def _curved_layers(nearby: Nearby, lines: _Lines) -> Iterator[tuple[int, Layer]]:
+def _curved_layers(nearby: Nearby, frame: Frame) -> Iterator[tuple[int, Layer]]:
     """Yield the samples and the sides of curved faces that cover them, or miss them by less than a pixel."""
-    i, j = lines.at(nearby.samples)
+    i, j = _at(nearby.view, nearby.samples)
     for facing, other in ((FRONT, "back"), (BACK, "front")):
-        for this in rounds_of(_opened(nearby.view, cull=other), lines.frame, 0):
+        for this in rounds_of(*_opened(nearby.view, frame, cull=other), 0):
             piece = this.piece
             placement = nearby.view.placements[int(nearby.view.object_of(np.array(piece.face)))]
-            face = int(nearby.origin[piece.face])
+            face, culled = int(nearby.origin[piece.face]), facing == CULLED[placement.cull]
             for k in np.flatnonzero(_reached(piece.extent[0], i, j)):
-                layer = _layer(piece, face, facing, placement, lines, i[k], j[k])
-                if layer is not None:
-                    yield int(nearby.samples[k]), layer
+                edges, depth, clipped = _rims(piece, placement, i[k], j[k]), None, ""
+                if piece.depth_at(beside(i[k], j[k])) is not None:
+                    depth = Fraction(*depth_quotient(frame, piece, i[k], j[k]))
+                    clipped = _clipped(piece, frame, i[k], j[k])
+                elif min(edges.values()) <= -REACH:
+                    continue
+                removed = "culled" if culled else clipped
+                yield int(nearby.samples[k]), Layer(face, facing, edges, depth, removed)
 
 
 def _reached(bound: Polynomial, i: Array, j: Array) -> Bools:
     """Tell where (n,) a polynomial is not negative, or vanishes less than REACH away, to first order."""
-    value = _conic(bound, i, j)
-    square = sum(_conic(bound.derivative(axis), i, j) ** 2 for axis in (0, 1))
-    return np.asarray((value >= 0) | (value**2 < int(2 * REACH) ** 2 * square), dtype=np.bool_)
+    value, *slopes = (_conic(one, i, j) for one in (bound, bound.derivative(0), bound.derivative(1)))
+    near = value**2 < int(2 * REACH) ** 2 * sum(slope**2 for slope in slopes)
+    return np.asarray((value >= 0) | near, dtype=np.bool_)
 
 
-def _layer(
-    piece: Piece, face: int, facing: str, placement: Placement, lines: _Lines, i: int, j: int
-) -> Layer | None:
-    """Say how one side of a curved face lies; None if it is too far away."""
-    edges = _rims(piece, placement, i, j)
-    culled = "culled" if facing == CULLED[placement.cull] else ""
-    if piece.depth_at(beside(i, j)) is not None:
-        depth = Fraction(*depth_quotient(lines.frame, piece, i, j))
-        return Layer(face, facing, edges, depth, culled or _clipped(piece, lines, i, j))
-    if min(edges.values()) <= -REACH:
-        return None
-    return Layer(face, facing, edges, None, culled)
-
-
-def _clipped(piece: Piece, lines: _Lines, i: int, j: int) -> str:
+def _clipped(piece: Piece, frame: Frame, i: int, j: int) -> str:
     spot = beside(i, j)
-    for name, limit in lines.limits.items():
+    for name, limit in _clippers(frame):
         offset, slope = form(limit)
         if piece.zeta.at(spot).affine(at(slope, spot), at(offset, spot)).sign() < 0:
             return name
