@@ -12,8 +12,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
-from hsr.base.arrays import Array, Bools, Floats, Ints, Pixels
+from hsr.base.arrays import Array, Bools, Floats, Pixels
 from hsr.base.errors import MapError
 from hsr.pictures.maps import class_picture
 from hsr.pictures.palette import CLASS_COLOURS
@@ -93,11 +94,11 @@ class DepthError:
         ``(row, column)`` of the largest difference.
     """
 
-    samples: int
-    max: float
-    mean: float
-    rms: float
-    where: tuple[int, int] | None
+    samples: int = 0
+    max: float = 0.0
+    mean: float = 0.0
+    rms: float = 0.0
+    where: tuple[int, int] | None = None
 
 
 @dataclass(frozen=True)
@@ -118,22 +119,16 @@ class Difference:
     a, b : VisibilityMap
     classes : (H, W) uint8
         A :class:`SampleClass` per sample; row 0 is the top row.
-    clusters : tuple of Cluster
-        Connected samples of another owner, the largest first.
-    near : int
-        Differing samples whose face b shows at one of the eight neighbours: off by one pixel.
     depth : DepthError
-    verdict : Verdict or None
-        Given the truth: which of the two is right where they differ.
+    truth : VisibilityMap or None
+        Tells which of the two is right where they differ.
     """
 
     a: VisibilityMap
     b: VisibilityMap
     classes: Pixels
-    clusters: tuple[Cluster, ...]
-    near: int
     depth: DepthError
-    verdict: Verdict | None = None
+    truth: VisibilityMap | None = None
 
     @cached_property
     def counts(self) -> dict[str, int]:
@@ -146,20 +141,72 @@ class Difference:
         """Number of samples."""
         return int(self.classes.size)
 
+    @cached_property
+    def differs(self) -> Bools:
+        """Where (H, W) another owner is shown: missing, extra or wrong face."""
+        return np.isin(self.classes, OTHER_OWNER)
+
     @property
     def different(self) -> int:
-        """Number of samples at which another owner is shown: missing, extra or wrong face."""
-        return sum(self.counts[kind.label] for kind in OTHER_OWNER)
+        """Number of samples at which another owner is shown."""
+        return int(np.count_nonzero(self.differs))
 
     @property
     def same(self) -> bool:
         """Whether both maps show the same owner everywhere. Depths are not judged."""
         return self.different == 0
 
+    @cached_property
+    def clusters(self) -> tuple[Cluster, ...]:
+        """Connected samples of another owner, the largest first."""
+        return self.clusters_of(self.differs)
+
     @property
     def largest(self) -> int:
         """Number of samples in the largest cluster."""
         return self.clusters[0].size if self.clusters else 0
+
+    @cached_property
+    def near(self) -> int:
+        """Differing samples whose face b shows at one of the eight neighbours: off by one pixel."""
+        around = sliding_window_view(np.pad(self.b.face, 1, constant_values=NO_FACE), (3, 3))
+        face = self.a.face[self.differs]
+        return int((around[self.differs] == face[:, None, None]).any(axis=(1, 2)).sum())
+
+    @cached_property
+    def verdict(self) -> Verdict | None:
+        """Given the truth: which of the two is right where they differ."""
+        if self.truth is None:
+            return None
+        a, b = (int((self.differs & (map.face == self.truth.face)).sum()) for map in (self.a, self.b))
+        return Verdict(a, b, self.different - a - b)
+
+    def clusters_of(self, mask: Bools) -> tuple[Cluster, ...]:
+        """Find the groups of samples of a mask (H, W) that hang together, over sides or corners.
+
+        Returns
+        -------
+        tuple of Cluster
+            Largest first, equal ones in reading order.
+        """
+        samples = np.flatnonzero(mask)
+        if not len(samples):
+            return ()
+        # Both are slow to import, and most maps that are compared do not differ.
+        from scipy.ndimage import find_objects
+        from skimage.measure import label
+
+        labels = label(mask, connectivity=2)
+        number = labels.ravel()[samples] - 1
+        _, first, size = np.unique(number, return_index=True, return_counts=True)
+        kinds = number * len(SampleClass) + self.classes.ravel()[samples]
+        tally = np.bincount(kinds, minlength=len(size) * len(SampleClass)).reshape(len(size), -1)
+        box = ((y.start, x.start, y.stop, x.stop) for y, x in find_objects(labels))
+        kind = map(SampleClass, tally.argmax(axis=1).tolist())
+        sample = (divmod(one, self.a.width) for one in samples[first].tolist())
+        shown, expected = (map.face.ravel()[samples[first]].tolist() for map in (self.a, self.b))
+        found = map(Cluster, size.tolist(), box, kind, sample, shown, expected)
+        return tuple(sorted(found, key=lambda cluster: -cluster.size))
 
     def summary(self, clusters: int | None = 5) -> str:
         """Return the figures in one line, and a line for each of the largest clusters.
@@ -324,30 +371,17 @@ def compare(a: VisibilityMap, b: VisibilityMap, truth: VisibilityMap | None = No
     _check_comparable(a, b)
     if truth is not None:
         _check_comparable(a, truth)
-    classes, depth = _classify(a, b)
-    differs = np.isin(classes, OTHER_OWNER)
-    return Difference(
-        a,
-        b,
-        classes,
-        find_clusters(differs, classes, a.face, b.face),
-        _count_near(differs, a.face, b.face),
-        depth,
-        None if truth is None else _judge(differs, a.face, b.face, truth.face),
-    )
+    return Difference(a, b, *_classify(a, b), truth)
 
 
 def _check_comparable(a: VisibilityMap, b: VisibilityMap) -> None:
     if a.face.shape != b.face.shape:
-        raise MapError(
-            f"cannot compare {a.method} at {a.width}x{a.height} with {b.method} at {b.width}x{b.height}: "
-            "render both at one size"
-        )
+        one, other = (f"{map.method} at {map.width}x{map.height}" for map in (a, b))
+        raise MapError(f"cannot compare {one} with {other}: render both at one size")
     for what in ("scene", "camera"):
         if what in a.hashes and what in b.hashes and a.hashes[what] != b.hashes[what]:
-            raise MapError(
-                f"cannot compare {a.method} with {b.method}: they show different {what}s; render both anew"
-            )
+            pair = f"{a.method} with {b.method}"
+            raise MapError(f"cannot compare {pair}: they show different {what}s; render both anew")
 
 
 def depth_step(map: VisibilityMap, depth: Floats) -> Floats:
@@ -381,95 +415,32 @@ def depth_step(map: VisibilityMap, depth: Floats) -> Floats:
     return np.full_like(depth, step * (far - near))
 
 
-def _classify(a: VisibilityMap, b: VisibilityMap) -> tuple[Pixels, DepthError]:
-    in_a, in_b = a.face != BACKGROUND, b.face != BACKGROUND
-    classes = np.full(a.face.shape, SampleClass.SAME, dtype=np.uint8)
-    classes[~in_a & in_b] = SampleClass.MISSING
-    classes[in_a & ~in_b] = SampleClass.EXTRA
-    classes[in_a & in_b & (a.face != b.face)] = SampleClass.WRONG_FACE
-    classes[(classes != SampleClass.SAME) & b.admits(a.face)] = SampleClass.TIE
+def agreed_depths(a: VisibilityMap, b: VisibilityMap) -> tuple[Array, Floats, Floats]:
+    """Return the samples (n,) at which two maps show the same face, and how deep each shows it."""
+    samples = np.flatnonzero((a.face == b.face) & (a.face != BACKGROUND))
+    return samples, a.depth.ravel()[samples], b.depth.ravel()[samples]
 
+
+def _classify(a: VisibilityMap, b: VisibilityMap) -> tuple[Pixels, DepthError]:
+    other = a.face != b.face
+    classes = np.where(other, np.uint8(SampleClass.WRONG_FACE), np.uint8(SampleClass.SAME))
+    classes[other & (a.face == BACKGROUND)] = SampleClass.MISSING
+    classes[other & (b.face == BACKGROUND)] = SampleClass.EXTRA
+    classes[other & b.admits(a.face)] = SampleClass.TIE
     if not (a.tells_depth and b.tells_depth):
-        return classes, DepthError(0, 0.0, 0.0, 0.0, None)
-    agreed = np.flatnonzero(in_a & (a.face == b.face))
-    depth_a, depth_b = a.depth.ravel()[agreed], b.depth.ravel()[agreed]
+        return classes, DepthError()
+    samples, depth_a, depth_b = agreed_depths(a, b)
     with np.errstate(invalid="ignore"):  # a face at infinite depth: no number, so no gap
         gap = np.abs(depth_a - depth_b)
         allowed = (a.width + a.height) / 2.0 * (depth_step(a, depth_a) + depth_step(b, depth_b))
     known = np.isfinite(gap)
-    classes.ravel()[agreed[~known | (gap > allowed)]] = SampleClass.DEPTH_ONLY
-    return classes, _depth_error(gap[known], agreed[known], a.width)
+    classes.ravel()[samples[~known | (gap > allowed)]] = SampleClass.DEPTH_ONLY
+    return classes, _depth_error(gap[known], samples[known], a.width)
 
 
 def _depth_error(gap: Floats, samples: Array, width: int) -> DepthError:
     if not len(gap):
-        return DepthError(0, 0.0, 0.0, 0.0, None)
-    worst = int(gap.argmax())
-    row, column = divmod(int(samples[worst]), width)
-    rms = math.sqrt(float(np.square(gap).mean()))
-    return DepthError(len(gap), float(gap[worst]), float(gap.mean()), rms, (row, column))
-
-
-def find_clusters(differs: Bools, classes: Pixels, shown: Ints, expected: Ints) -> tuple[Cluster, ...]:
-    """Find the groups of samples that hang together, over sides or corners.
-
-    Parameters
-    ----------
-    differs : (H, W) bool
-        The samples to group.
-    classes : (H, W) uint8
-        A :class:`SampleClass` per sample.
-    shown, expected : (H, W) int32
-        Face ids of the map that is judged and of the reference.
-
-    Returns
-    -------
-    tuple of Cluster
-        Largest first, equal ones in reading order.
-    """
-    samples = np.flatnonzero(differs)
-    if not len(samples):
-        return ()
-    from skimage.measure import label  # slow to import, and most maps that are compared do not differ
-
-    labels = label(differs, connectivity=2).ravel()[samples] - 1
-    tally = np.zeros((labels.max() + 1, len(SampleClass)), dtype=np.int64)
-    np.add.at(tally, (labels, classes.ravel()[samples]), 1)
-    # Sorted by cluster, and within it in reading order.
-    order = np.argsort(labels, kind="stable")
-    start = np.flatnonzero(np.diff(labels[order], prepend=-1))
-    rows, columns = np.divmod(samples[order], differs.shape[1])
-    low = [np.minimum.reduceat(axis, start) for axis in (rows, columns)]
-    high = [np.maximum.reduceat(axis, start) + 1 for axis in (rows, columns)]
-    box = np.stack([*low, *high], axis=1).tolist()
-    first = list(zip(rows[start].tolist(), columns[start].tolist(), strict=True))
-    size, kind = tally.sum(axis=1), tally.argmax(axis=1).tolist()
-    return tuple(
-        Cluster(
-            int(size[k]),
-            tuple(box[k]),
-            SampleClass(kind[k]),
-            first[k],
-            int(shown[first[k]]),
-            int(expected[first[k]]),
-        )
-        for k in np.argsort(-size, kind="stable").tolist()
-    )
-
-
-def _count_near(differs: Bools, shown: Ints, expected: Ints) -> int:
-    """Count the differing samples whose face the reference shows at one of the eight neighbours."""
-    rows, columns = np.nonzero(differs)
-    face = shown[rows, columns]
-    around = np.pad(expected, 1, constant_values=NO_FACE)
-    near = np.zeros(len(face), dtype=np.bool_)
-    for down in (0, 1, 2):
-        for right in (0, 1, 2):
-            near |= around[rows + down, columns + right] == face
-    return int(near.sum())
-
-
-def _judge(differs: Bools, a: Ints, b: Ints, truth: Ints) -> Verdict:
-    a_right = int((differs & (a == truth)).sum())
-    b_right = int((differs & (b == truth)).sum())
-    return Verdict(a_right, b_right, int(differs.sum()) - a_right - b_right)
+        return DepthError()
+    worst, rms = int(gap.argmax()), math.sqrt(float(np.square(gap).mean()))
+    where = divmod(int(samples[worst]), width)
+    return DepthError(len(gap), float(gap[worst]), float(gap.mean()), rms, where)

@@ -11,7 +11,7 @@ from hsr.algorithms.registry import methods
 from hsr.base.arrays import Bools, Ints
 from hsr.base.errors import CheckError
 from hsr.difference.cause import Causes, causes
-from hsr.difference.classes import OTHER_OWNER, Cluster, Difference, compare, depth_step, find_clusters
+from hsr.difference.classes import OTHER_OWNER, Cluster, Difference, agreed_depths, compare, depth_step
 from hsr.difference.history import history
 from hsr.mistakes.planted import MISTAKES, planted
 from hsr.models.stages import Cause
@@ -99,39 +99,35 @@ class Judgement:
 
     def text(self) -> str:
         """Return the judgement as lines for people."""
-        limits = [f"  limit {line}" for line in self.broken]
-        hint = () if self.passed else _hint(self.difference, self.subject)
-        return "\n".join([self._headline(), *self._group_lines(), *limits, *hint])
+        return "\n".join(self._lines())
 
-    def command(self, scene_file: str, map_file: str = "") -> str:
+    def command(self, scene_file: str = "", map_file: str = "") -> str:
         """Return the command that tells all about the first sample; empty without a scene file.
 
         Parameters
         ----------
         scene_file : str
+            Where the scene was written, if the test names no file of it.
         map_file : str
             Where the judged map was written, if it was.
         """
-        if self.subject is None or not scene_file or self.sample is None:
+        if self.subject is None or self.sample is None or not (self.subject.file or scene_file):
             return ""
         row, column = self.sample
         shown, camera = self.difference.a, self.subject.camera
-        words = f"hsr explain {scene_file} {column},{row} --size {shown.width}x{shown.height}"
-        words += f" --camera {camera}" if camera else ""
+        words = f"hsr explain {self.subject.file or scene_file} {column},{row}"
+        words += f" --size {shown.width}x{shown.height}" + (f" --camera {camera}" if camera else "")
         if map_file:
             return f"{words} --map {map_file}"
         return f"{words} -a {shown.method}" if shown.method in methods() else words
 
-    def _headline(self) -> str:
+    def _lines(self) -> Iterator[str]:
         shown, expected = self.difference.a, self.difference.b
-        size = f"{shown.width}x{shown.height}"
         forgiven = sum(group.count for group in self.groups if group.allowed)
         parts = [f"{self.counted} samples count as different"]
         parts += [f"{forgiven} allowed by cause"] if forgiven else []
         parts += [f"{self.ties} ties, which never count"] if self.ties else []
-        return f"{self.name} vs {expected.method}, {size}: {', '.join(parts)}"
-
-    def _group_lines(self) -> Iterator[str]:
+        yield f"{self.name} vs {expected.method}, {shown.width}x{shown.height}: {', '.join(parts)}"
         for group in self.groups:
             number, allowed = len(group.clusters), " (allowed)" if group.allowed else ""
             clusters = f"{number} cluster{'' if number == 1 else 's'}"
@@ -139,6 +135,9 @@ class Judgement:
             yield f"  {group.label} {group.count}{allowed}, {clusters}, the largest: {largest}"
             if group.story:
                 yield f"    {group.story}"
+        yield from (f"  limit {line}" for line in self.broken)
+        if not self.passed:
+            yield from _hint(self.difference, self.subject)
 
 
 def judge(
@@ -173,11 +172,9 @@ def judge(
         If depths are to be judged that a map does not tell.
     """
     difference = compare(shown, expected)
-    truth = _truth(expected, subject)
+    truth = expected if expected.admissible is not None else None if subject is None else subject.truth
     other = shown.face != expected.face
-    tied = np.zeros_like(other)
-    if truth is not None:
-        tied = other & truth.admits(shown.face) & truth.admits(expected.face)
+    tied = other & (truth is not None and truth.admits(shown.face) & truth.admits(expected.face))
     apart = other & ~tied
     why = _causes(shown, truth, subject) if apart.any() else None
     masks = _masks(difference, apart, truth, why)
@@ -192,12 +189,6 @@ def judge(
 
 
 # ---------------------------------------------------------------- what differs, and why
-
-
-def _truth(expected: VisibilityMap, subject: Subject | None) -> VisibilityMap | None:
-    if expected.admissible is not None:
-        return expected
-    return None if subject is None else subject.truth
 
 
 def _causes(shown: VisibilityMap, truth: VisibilityMap | None, subject: Subject | None) -> Causes | None:
@@ -219,12 +210,12 @@ def _masks(
 
 
 def _group(label: str, mask: Bools, difference: Difference, limits: Limits, subject: Subject | None) -> Group:
-    clusters = find_clusters(mask, difference.classes, difference.a.face, difference.b.face)
-    story = ""
-    if subject is not None:
-        wrong = difference.b if label == REFERENCE_WRONG else difference.a
-        story = history(subject.view, *clusters[0].sample, [wrong]).stories[0].sentence
-    return Group(label, label in limits.allow, clusters, story)
+    clusters, allowed = difference.clusters_of(mask), label in limits.allow
+    if subject is None:
+        return Group(label, allowed, clusters)
+    wrong = difference.b if label == REFERENCE_WRONG else difference.a
+    told = history(subject.view, *clusters[0].sample, [wrong])
+    return Group(label, allowed, clusters, told.stories[0].sentence)
 
 
 # ---------------------------------------------------------------- limits
@@ -237,7 +228,7 @@ def _broken_counts(difference: Difference, counted: Bools, limits: Limits) -> It
     if limits.max_diff_ratio is not None and count > limits.max_diff_ratio * counted.size:
         yield f"{limits.told('max_diff_ratio')}: {count / counted.size:.3g} of the samples differ"
     if limits.max_cluster is not None and count:
-        largest = find_clusters(counted, difference.classes, difference.a.face, difference.b.face)[0]
+        largest = difference.clusters_of(counted)[0]
         if largest.size > limits.max_cluster:
             row, column = largest.sample
             together = f"{largest.size} hang together at column {column}, row {row}"
@@ -252,8 +243,7 @@ def _broken_depths(difference: Difference, limits: Limits) -> Iterator[str]:
     for shown in (a, b):
         if not shown.tells_depth:
             raise CheckError(f"{limits.told('depth_ulps')}: the map of {shown.method} tells no depths")
-    samples = np.flatnonzero((a.face == b.face) & (a.face != BACKGROUND))
-    depth, expected = a.depth.ravel()[samples], b.depth.ravel()[samples]
+    samples, depth, expected = agreed_depths(a, b)
     with np.errstate(invalid="ignore"):  # infinite depths: no number, so never within a limit
         gap = np.abs(depth - expected) / depth_step(a, depth)
     beyond = ~(gap <= limits.depth_ulps)
