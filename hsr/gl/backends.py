@@ -17,7 +17,7 @@ import moderngl
 
 from hsr.base.errors import HsrError, NoOpenGLError
 from hsr.gl.context import SOFTWARE, Context
-from hsr.gl.loaders import EGL, MAX_EGL_DEVICES, Loader, OSMesa
+from hsr.gl.loaders import MAX_EGL_DEVICES, Loader, egl, osmesa
 from hsr.gl.selftest import flaw
 
 
@@ -36,28 +36,24 @@ def _proven(backend: str, loader: Loader) -> Context:
 
 def _open_egl() -> Context:
     """Walk the EGL devices until one is llvmpipe; without it, take the first that draws."""
+    found: list[Context] = []
     reasons: list[str] = []
-    other: Context | None = None
     for device in range(MAX_EGL_DEVICES):
         try:
-            context = _proven("egl", EGL(device))
+            found.append(_proven("egl", egl(device)))
         except HsrError as error:
             reasons.append(str(error))
-            continue
-        if context.renderer.startswith(SOFTWARE):
-            if other:
-                other.release()
-            return context
-        if other:
-            context.release()
-        else:
-            other = context
-    if other:
-        return other
-    raise NoOpenGLError(reasons[0])
+        if found and found[-1].renderer.startswith(SOFTWARE):
+            found.insert(0, found.pop())
+            break
+    if not found:
+        raise NoOpenGLError(reasons[0])
+    for other in found[:0:-1]:
+        other.release()
+    return found[0]
 
 
-BACKENDS: dict[str, Callable[[], Context]] = {"osmesa": lambda: _proven("osmesa", OSMesa()), "egl": _open_egl}
+BACKENDS: dict[str, Callable[[], Context]] = {"osmesa": lambda: _proven("osmesa", osmesa()), "egl": _open_egl}
 """How each backend opens a context, in the order in which they are tried."""
 
 

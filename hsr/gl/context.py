@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from functools import cached_property
 from typing import Any, cast
 
 import moderngl
@@ -12,6 +13,20 @@ from hsr.gl.loaders import Loader
 
 SOFTWARE = "llvmpipe"
 """What the name of Mesa's software driver begins with."""
+
+VERTEX_SHADER = """
+#version 330
+uniform mat4 clip_from_world;
+in vec3 vertex;
+void main() { gl_Position = clip_from_world * vec4(vertex, 1.0); }
+"""
+
+FRAGMENT_SHADER = """
+#version 330
+uniform int first;
+out int triangle;
+void main() { triangle = first + gl_PrimitiveID + 1; }
+"""
 
 
 class Context:
@@ -42,7 +57,6 @@ class Context:
 
     def __init__(self, backend: str, loader: Loader) -> None:
         self.backend, self.loader = backend, loader
-        self._programs: dict[tuple[str, str], moderngl.Program] = {}
         try:
             with loader:
                 self.gl = moderngl.create_context(context=cast(Any, loader))
@@ -55,14 +69,10 @@ class Context:
         self.subpixel_bits = int(info["GL_SUBPIXEL_BITS"])
         self.max_side = int(info["GL_MAX_TEXTURE_SIZE"])
 
-    def program(self, vertex_shader: str, fragment_shader: str) -> moderngl.Program:
-        """Return a program, compiled once and shared by all drawings; the context must be current."""
-        shaders = (vertex_shader, fragment_shader)
-        if shaders not in self._programs:
-            self._programs[shaders] = self.gl.program(
-                vertex_shader=vertex_shader, fragment_shader=fragment_shader
-            )
-        return self._programs[shaders]
+    @cached_property
+    def program(self) -> moderngl.Program:
+        """What numbers triangles, compiled once and shared by all drawings; the context must be current."""
+        return self.gl.program(vertex_shader=VERTEX_SHADER, fragment_shader=FRAGMENT_SHADER)
 
     @property
     def threads(self) -> int | None:

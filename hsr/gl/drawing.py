@@ -9,6 +9,8 @@ is the driver's rule: OpenGL only promises one owner for an edge two triangles s
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
+
 import moderngl
 import numpy as np
 
@@ -19,20 +21,6 @@ from hsr.gl.depth import D24, DepthBuffer, clip_range, depth_texture
 from hsr.problem.geometry import CULL, WorldPolygons, as_float32
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import View
-
-VERTEX_SHADER = """
-#version 330
-uniform mat4 clip_from_world;
-in vec3 vertex;
-void main() { gl_Position = clip_from_world * vec4(vertex, 1.0); }
-"""
-
-FRAGMENT_SHADER = """
-#version 330
-uniform int first;
-out int triangle;
-void main() { triangle = first + gl_PrimitiveID + 1; }
-"""
 
 
 class Triangles:
@@ -55,14 +43,13 @@ class Triangles:
         with context.gl as gl:
             corner = gl.buffer(np.ascontiguousarray(polygons.triangle_vertex))
             content = [(gl.buffer(vertices), "3f", "vertex")]
-            program = context.program(VERTEX_SHADER, FRAGMENT_SHADER)
-            self.array = gl.vertex_array(program, content, index_buffer=corner)
+            self.array = gl.vertex_array(context.program, content, index_buffer=corner)
         self.face_of = np.append(np.int32(BACKGROUND), polygons.triangle_face)
         self.runs = _runs(polygons.cull[polygons.triangle_polygon])
         self.vertices = len(vertices)
 
 
-class Drawing:
+class Drawing(AbstractContextManager["Drawing"]):
     """One view in the memory of OpenGL.
 
     A triangle is numbered by ``gl_PrimitiveID`` and named after its face when read, so that vertices
@@ -88,23 +75,17 @@ class Drawing:
         geometry = view.tessellated().geometry
         self._triangles = geometry.once(("opengl", context), lambda: Triangles(context, geometry.polygons))
         matrix = as_float32(buffer.clip_from_world(view), "opengl")
-        self.view = view
-        self._buffer = buffer
+        self.view, self._context, self._buffer = view, context, buffer
         self.vertices, self.triangles = self._triangles.vertices, len(self._triangles.face_of) - 1
         self._matrix = tuple(matrix.T.ravel())  # OpenGL's matrices are column after column
-        self._context = context
+        size = view.width, view.height
         with context.gl as gl:
-            self._make_room(gl, (view.width, view.height))
-
-    def _make_room(self, gl: moderngl.Context, size: tuple[int, int]) -> None:
-        triangle = gl.texture(size, components=1, dtype="i4")
-        depth = depth_texture(self._context, size, self._buffer)
-        try:
-            self._frame = gl.framebuffer([triangle], depth)
-        except moderngl.Error as error:
-            raise MethodError(
-                f"opengl: the driver has no room for {size[0]}x{size[1]} samples; choose a smaller size"
-            ) from error
+            textures = gl.texture(size, components=1, dtype="i4"), depth_texture(context, size, buffer)
+            try:
+                self._frame = gl.framebuffer(*textures)
+            except moderngl.Error as error:
+                told = "opengl: the driver has no room for {}x{} samples; choose a smaller size"
+                raise MethodError(told.format(*size)) from error
 
     def draw(self) -> None:
         """Clear, draw every triangle, and wait until all is drawn."""
@@ -112,7 +93,7 @@ class Drawing:
             self._frame.use()
             # Of an integer attachment moderngl sets the bits of 0.0, which are 0.
             self._frame.clear(depth=self._buffer.cleared_to)
-            program = self._context.program(VERTEX_SHADER, FRAGMENT_SHADER)
+            program = self._context.program
             program["clip_from_world"] = self._matrix
             gl.depth_func = ">" if self._buffer.reversed else "<"
             for cull, first, count in self._triangles.runs:
@@ -148,18 +129,12 @@ class Drawing:
         depth[drawn] = depth_of_window(self.view, window.astype(np.float64), self._buffer.reversed)
         return face, depth
 
-    def release(self) -> None:
+    def __exit__(self, *exception: object) -> None:
         """Give the memory back to OpenGL."""
         with self._context.gl as gl:
             gl.screen.use()  # a deleted frame must not stay bound
             del self._frame
             gl.gc()
-
-    def __enter__(self) -> Drawing:
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        self.release()
 
 
 def depth_of_window(view: View, window: Floats, reversed: bool = False) -> Floats:
@@ -205,8 +180,5 @@ def _runs(cull: Array) -> list[tuple[int, int, int]]:
 
 def _set_culling(gl: moderngl.Context, cull: int) -> None:
     """Cull the back or the front: a front runs counter-clockwise, as OpenGL and the view both have it."""
-    if cull == CULL["none"]:
-        gl.enable_only(moderngl.DEPTH_TEST)
-        return
-    gl.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
-    gl.cull_face = "back" if cull == CULL["back"] else "front"
+    gl.enable_only(moderngl.DEPTH_TEST | (moderngl.NOTHING if cull == CULL["none"] else moderngl.CULL_FACE))
+    gl.cull_face = "front" if cull == CULL["front"] else "back"

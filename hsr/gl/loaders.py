@@ -8,14 +8,16 @@ context is current, which lets contexts of both kinds live side by side.
 
 from __future__ import annotations
 
-import ctypes
-from abc import ABC, abstractmethod
+from collections.abc import Callable
 from contextlib import suppress
+from ctypes import CDLL, POINTER, c_char_p, c_int, c_ubyte, c_uint, c_void_p
 from ctypes.util import find_library
+from dataclasses import dataclass, field
+from functools import partial
 from threading import Lock
 from typing import Any
 
-from glcontext import egl
+from glcontext.egl import create_context
 
 from hsr.base.errors import NoOpenGLError
 
@@ -27,46 +29,42 @@ MAX_EGL_DEVICES = 16
 
 OSMESA_LIBRARIES = ("libOSMesa.so.8", "libOSMesa.so.6")
 
-# Names and values of Mesa's GL/osmesa.h.
-OSMESA_FORMAT, OSMESA_RGBA = 0x22, 0x1908
-OSMESA_PROFILE, OSMESA_CORE_PROFILE = 0x33, 0x34
-OSMESA_CONTEXT_MAJOR_VERSION, OSMESA_CONTEXT_MINOR_VERSION = 0x36, 0x37
+EGL_LIBRARIES = {"libgl": "libGL.so.1", "libegl": "libEGL.so.1"}
+"""Named with their versions: those without belong to development packages."""
+
+# Values of Mesa's GL/osmesa.h: OSMESA_FORMAT is OSMESA_RGBA, OSMESA_PROFILE is OSMESA_CORE_PROFILE, then
+# OSMESA_CONTEXT_MAJOR_VERSION and OSMESA_CONTEXT_MINOR_VERSION.
+OSMESA_ATTRIBUTES = (0x22, 0x1908, 0x33, 0x34, 0x36, VERSION[0], 0x37, VERSION[1], 0)
 GL_UNSIGNED_BYTE = 0x1401
 
-
-SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
-    "OSMesaCreateContextAttribs": (ctypes.c_void_p, [ctypes.POINTER(ctypes.c_int), ctypes.c_void_p]),
-    "OSMesaMakeCurrent": (
-        ctypes.c_ubyte,
-        [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_uint, ctypes.c_int, ctypes.c_int],
-    ),
-    "OSMesaGetProcAddress": (ctypes.c_void_p, [ctypes.c_char_p]),
-    "OSMesaDestroyContext": (None, [ctypes.c_void_p]),
+PROTOTYPES: dict[str, tuple[Any, ...]] = {
+    "OSMesaCreateContextAttribs": (c_void_p, POINTER(c_int), c_void_p),
+    "OSMesaMakeCurrent": (c_ubyte, c_void_p, c_void_p, c_uint, c_int, c_int),
+    "OSMesaGetProcAddress": (c_void_p, c_char_p),
+    "OSMesaDestroyContext": (None, c_void_p),
 }
-"""Of the functions of OSMesa that are called: what they return and take."""
+"""Result and arguments of the functions of OSMesa that are called."""
 
 
-class Loader(ABC):
-    """The part of a window system that moderngl uses; one thread at a time holds it."""
+@dataclass(frozen=True, eq=False)
+class Loader:
+    """The part of a window system that moderngl uses, for one context; one thread at a time holds it.
 
-    def __init__(self) -> None:
-        self._lock = Lock()
+    Attributes
+    ----------
+    load_opengl_function : callable
+        From the name of a function of OpenGL to its address, 0 where there is none.
+    take, leave : callable
+        Make the context current for this thread, and leave the thread without one.
+    release : callable
+        Destroys the context, which must not be current.
+    """
 
-    @abstractmethod
-    def load_opengl_function(self, name: str) -> int:
-        """Return the address of a function of OpenGL, 0 where there is none."""
-
-    @abstractmethod
-    def take(self) -> None:
-        """Make the context current for this thread."""
-
-    @abstractmethod
-    def leave(self) -> None:
-        """Leave this thread without a context."""
-
-    @abstractmethod
-    def release(self) -> None:
-        """Destroy the context, which must not be current."""
+    load_opengl_function: Callable[[str], int]
+    take: Callable[[], object]
+    leave: Callable[[], object]
+    release: Callable[[], object]
+    _lock: Lock = field(default_factory=Lock)
 
     def __enter__(self) -> Loader:
         self._lock.acquire()
@@ -82,54 +80,43 @@ class Loader(ABC):
         self._lock.release()
 
 
-class OSMesa(Loader):
-    """A context of Mesa's off-screen library, which draws in memory and needs no device.
+def osmesa() -> Loader:
+    """Make a context of Mesa's off-screen library, which draws in memory and needs no device.
 
     Raises
     ------
     NoOpenGLError
         If the library is missing, or makes no context of :data:`VERSION`.
     """
+    library = osmesa_library()
+    context = library.OSMesaCreateContextAttribs((c_int * len(OSMESA_ATTRIBUTES))(*OSMESA_ATTRIBUTES), None)
+    if not context:
+        raise NoOpenGLError("OSMesa makes no context of OpenGL {}.{}".format(*VERSION))
+    # A context is made current together with a picture; ours stays unused, one pixel small.
+    picture = (c_ubyte * 4)()
 
-    def __init__(self) -> None:
-        super().__init__()
-        self._library = _osmesa_library()
-        attributes = (
-            *(OSMESA_FORMAT, OSMESA_RGBA),
-            *(OSMESA_PROFILE, OSMESA_CORE_PROFILE),
-            *(OSMESA_CONTEXT_MAJOR_VERSION, VERSION[0]),
-            *(OSMESA_CONTEXT_MINOR_VERSION, VERSION[1]),
-            0,
-        )
-        array = (ctypes.c_int * len(attributes))(*attributes)
-        self._context = self._library.OSMesaCreateContextAttribs(array, None)
-        if not self._context:
-            raise NoOpenGLError("OSMesa makes no context of OpenGL {}.{}".format(*VERSION))
-        # A context is made current together with a picture; ours stays unused, one pixel small.
-        self._picture = (ctypes.c_ubyte * 4)()
-
-    def load_opengl_function(self, name: str) -> int:
-        """Return the address of a function of OpenGL, 0 where there is none."""
-        return self._library.OSMesaGetProcAddress(name.encode()) or 0
-
-    def take(self) -> None:
-        """Make the context current for this thread."""
-        if not self._library.OSMesaMakeCurrent(self._context, self._picture, GL_UNSIGNED_BYTE, 1, 1):
+    def take() -> None:
+        if not library.OSMesaMakeCurrent(context, picture, GL_UNSIGNED_BYTE, 1, 1):
             raise NoOpenGLError("OSMesa refuses to make its context current")
 
-    def leave(self) -> None:
-        """Leave this thread without a context."""
-        self._library.OSMesaMakeCurrent(None, None, 0, 0, 0)
+    return Loader(
+        lambda name: library.OSMesaGetProcAddress(name.encode()) or 0,
+        take,
+        partial(library.OSMesaMakeCurrent, None, None, 0, 0, 0),
+        partial(library.OSMesaDestroyContext, context),
+    )
 
-    def release(self) -> None:
-        """Destroy the context, which must not be current."""
-        self._library.OSMesaDestroyContext(self._context)
 
-
-def _osmesa_library() -> ctypes.CDLL:
-    library = _first_library([*OSMESA_LIBRARIES, find_library("OSMesa")])
+def osmesa_library() -> CDLL:
+    """Load OSMesa, the first that is found."""
+    for name in filter(None, (*OSMESA_LIBRARIES, find_library("OSMesa"))):
+        with suppress(OSError):
+            library = CDLL(name)
+            break
+    else:
+        raise NoOpenGLError(f"{OSMESA_LIBRARIES[0]} is not installed")
     try:
-        for name, (result, parameters) in SIGNATURES.items():
+        for name, (result, *parameters) in PROTOTYPES.items():
             function = getattr(library, name)
             function.restype, function.argtypes = result, parameters
     except AttributeError as error:
@@ -137,55 +124,18 @@ def _osmesa_library() -> ctypes.CDLL:
     return library
 
 
-def _first_library(names: list[str | None]) -> ctypes.CDLL:
-    for name in filter(None, names):
-        with suppress(OSError):
-            return ctypes.CDLL(name)
-    raise NoOpenGLError(f"{OSMESA_LIBRARIES[0]} is not installed")
-
-
-class EGL(Loader):
-    """A context of one EGL device, without a surface; glcontext makes it.
-
-    The libraries are named with their versions: those without belong to development packages.
-
-    Parameters
-    ----------
-    device : int
-        Which of the machine's EGL devices, from 0.
+def egl(device: int) -> Loader:
+    """Have glcontext make a context of one of the machine's EGL devices, from 0, without a surface.
 
     Raises
     ------
     NoOpenGLError
         If the libraries or the device are missing, or it makes no context of :data:`VERSION`.
     """
-
-    def __init__(self, device: int) -> None:
-        super().__init__()
-        try:
-            self._context = egl.create_context(
-                mode="standalone",
-                libgl="libGL.so.1",
-                libegl="libEGL.so.1",
-                glversion=100 * VERSION[0] + 10 * VERSION[1],
-                device_index=device,
-            )
-        except Exception as error:  # glcontext raises no narrower class
-            raise NoOpenGLError(str(error)) from error
-        self._context.__exit__()  # glcontext leaves a new context current
-
-    def load_opengl_function(self, name: str) -> int:
-        """Return the address of a function of OpenGL, 0 where there is none."""
-        return int(self._context.load_opengl_function(name))
-
-    def take(self) -> None:
-        """Make the context current for this thread."""
-        self._context.__enter__()
-
-    def leave(self) -> None:
-        """Leave this thread without a context."""
-        self._context.__exit__()
-
-    def release(self) -> None:
-        """Destroy the context, which must not be current."""
-        self._context.release()
+    version = 100 * VERSION[0] + 10 * VERSION[1]
+    try:
+        context = create_context(mode="standalone", glversion=version, device_index=device, **EGL_LIBRARIES)
+    except Exception as error:  # glcontext raises no narrower class
+        raise NoOpenGLError(str(error)) from error
+    context.__exit__()  # glcontext leaves a new context current
+    return Loader(context.load_opengl_function, context.__enter__, context.__exit__, context.release)

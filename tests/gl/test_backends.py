@@ -14,7 +14,7 @@ from hsr.base.errors import UnavailableError
 from hsr.gl import backends, drawing, selftest
 from hsr.gl.backends import open_context
 from hsr.gl.context import Context
-from hsr.gl.loaders import OSMesa
+from hsr.gl.loaders import osmesa, osmesa_library
 from hsr.gl.selftest import flaw
 from tests.gl.conftest import opened
 
@@ -91,7 +91,7 @@ def walk(devices: dict[int, str], monkeypatch: pytest.MonkeyPatch) -> tuple[str,
         return devices[index]
 
     FakeContext.released = []
-    monkeypatch.setattr(backends, "EGL", device)
+    monkeypatch.setattr(backends, "egl", device)
     monkeypatch.setattr(backends, "Context", FakeContext)
     monkeypatch.setattr(backends, "flaw", lambda _context: None)
     return backends._open_egl().renderer, FakeContext.released
@@ -165,8 +165,7 @@ def test_no_error_is_left_behind(context: Context) -> None:
 
 def test_a_context_is_current_only_while_it_is_used() -> None:
     opened("osmesa").release()
-    loader = OSMesa()
-    current = loader._library.OSMesaGetCurrentContext
+    loader, current = osmesa(), osmesa_library().OSMesaGetCurrentContext
     current.restype = ctypes.c_void_p
     with loader:
         assert current()
