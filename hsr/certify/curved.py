@@ -15,12 +15,11 @@ its own.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from itertools import count
 from math import isqrt
-from typing import NamedTuple
 
 import numpy as np
 from flint import Ordering, fmpz_mpoly, fmpz_mpoly_ctx
@@ -58,15 +57,6 @@ def sign_with_root(u: fmpz_mpoly, v: fmpz_mpoly, r: fmpz_mpoly) -> int:
 # ---------------------------------------------------------------- hits
 
 
-class Number(NamedTuple):
-    """The number (p + q sqrt(r)) / s, s > 0."""
-
-    p: int
-    q: int
-    r: int
-    s: int
-
-
 @dataclass(frozen=True, eq=False)
 class Root:
     """The parameter t = (p + q sqrt(r)) / s of a hit, of germs; q is -1, 0 or 1, r >= 0 and s > 0."""
@@ -91,15 +81,15 @@ class Root:
         squared = u * u + v * v * self.r - w * w * other.r
         return of_first * sign_with_root(squared, 2 * u * v, self.r)
 
-    def at_sample(self) -> Number:
-        """Return what a finite parameter is at the sample itself.
+    def at_sample(self) -> tuple[int, int, int, int]:
+        """Return p, q, r and s > 0 of what a finite parameter is at the sample itself.
 
         If s vanishes there, which is a or, if a is 0, 2 b, the line of sight is parallel to one on the
         surface. Then r tends to p^2 as s to 0, and (p + q sqrt(r)) / s to (p^2 - r) / 2 p s if p and q differ
         in sign, and else to 2 p / s: quotients of germs whose leading terms are alike.
         """
         if self.s[0, 0]:
-            return Number(_constant(self.p), self.q, _constant(self.r), _constant(self.s))
+            return _constant(self.p), self.q, _constant(self.r), _constant(self.s)
         p, s = self.p, self.s
         if sign(p) * self.q < 0:
             p, s = p * p - self.r, 2 * p * s
@@ -107,7 +97,7 @@ class Root:
             p = 2 * p
         above, below = (int(value.coefficient(len(value) - 1)) for value in (p, s))
         way = 1 if below > 0 else -1
-        return Number(way * above, 0, 0, way * below)
+        return way * above, 0, 0, way * below
 
 
 def root_on_plane(plane: tuple[int, int, int, int], perspective: bool, i: int, j: int) -> Root:
@@ -126,35 +116,36 @@ class Line:
     origin, step : list of 3 germs
     scale : int
         Positive.
-    depth_origin, depth_step : germ
-    depth_scale : int
-        The depth at t is (depth_origin + t depth_step) / depth_scale, times ``Frame.unit``.
+    matrix : Matrix
+        See :meth:`Frame.matrix`.
     """
 
     origin: list[fmpz_mpoly]
     step: list[fmpz_mpoly]
     scale: int
-    depth_origin: fmpz_mpoly
-    depth_step: fmpz_mpoly
-    depth_scale: int
+    matrix: Matrix
 
-    def along(self, row: Array) -> tuple[fmpz_mpoly, fmpz_mpoly]:
+    def along(self, row: list[int]) -> tuple[fmpz_mpoly, fmpz_mpoly]:
         """Return slope and offset, over t, of row . (p, 1) times the scale."""
-        *linear, constant = row.tolist()
+        *linear, constant = row
         return _dot(self.step, linear), _dot(self.origin, linear) + constant * self.scale
 
     def quadratic(self, form: Array) -> tuple[fmpz_mpoly, fmpz_mpoly, fmpz_mpoly]:
         """Return a, b, c of (p, 1) . form . (p, 1), times scale^2."""
-        slopes, offsets = zip(*map(self.along, form), strict=True)
+        slopes, offsets = zip(*map(self.along, form.tolist()), strict=True)
         c = _dot(self.origin, offsets[:3]) + self.scale * offsets[3]
         return _dot(self.step, slopes[:3]), _dot(self.step, offsets[:3]), c
 
+    @cached_property
+    def depth(self) -> tuple[fmpz_mpoly, fmpz_mpoly, int]:
+        """Slope and offset, over t, of depth times a positive scale and ``Frame.unit``; and that scale."""
+        return *self.along(self.matrix[3]), self.scale * self.matrix[4][3]
+
     def between(self, limits: Sequence[int], t: Root) -> bool:
         """Tell whether a point is between near and far, both closed; then it is in front of the eye."""
-        return all(
-            t.sign_of(way * self.depth_step, way * (self.depth_origin - limit * self.depth_scale)) >= 0
-            for way, limit in zip((1, -1), limits, strict=False)
-        )
+        slope, offset, scale = self.depth
+        ways = zip((1, -1), limits, strict=False)
+        return all(t.sign_of(way * slope, way * (offset - limit * scale)) >= 0 for way, limit in ways)
 
 
 def _dot(a: Sequence[fmpz_mpoly], b: Sequence[fmpz_mpoly | int]) -> fmpz_mpoly:
@@ -180,7 +171,7 @@ def _roots(a: fmpz_mpoly, b: fmpz_mpoly, c: fmpz_mpoly) -> Points:
 
 def _meet_surface(solid: Quadric, line: Line) -> Points:
     """Meet (p, 1) . form . (p, 1) = 0 between the ends."""
-    ends = [line.along(end) for end in solid.ends]
+    ends = [line.along(end) for end in solid.ends.tolist()]
     for t, outside in _roots(*line.quadratic(solid.form)):
         if all(t.sign_of(slope, offset) >= 0 for slope, offset in ends):
             yield t, outside
@@ -188,7 +179,7 @@ def _meet_surface(solid: Quadric, line: Line) -> Points:
 
 def _meet_disc(solid: Quadric, end: Array, line: Line) -> Points:
     """Meet the plane of an end where (p, 1) . form . (p, 1) <= 0."""
-    slope, offset = line.along(end)
+    slope, offset = line.along(end.tolist())
     way = sign(slope)
     if way:
         p, s = -way * offset, way * slope
@@ -239,9 +230,10 @@ class Hit:
         A hit is near the bounded solid; so where the denominator vanishes there, t has a limit all the same.
         """
         assert self.line is not None, "the depth on a planar piece is that of its facet"
-        t, line = self.t.at_sample(), self.line
-        p = _constant(line.depth_origin) * t.s + _constant(line.depth_step) * t.p
-        return rounded(p, _constant(line.depth_step) * t.q, t.r, t.s * line.depth_scale * unit)
+        p, q, r, s = self.t.at_sample()
+        slope, offset, scale = self.line.depth
+        step = _constant(slope)
+        return rounded(_constant(offset) * s + step * p, step * q, r, s * scale * unit)
 
     def __lt__(self, other: Hit) -> bool:
         """Tell whether this hit hides the other, or coincides with it and is of the lower face."""
@@ -249,58 +241,37 @@ class Hit:
         return order < 0 or (order == 0 and self.face < other.face)
 
 
-@dataclass(frozen=True, eq=False)
 class CurvedPiece:
-    """A curved piece, and the lines of sight in its object's space.
+    """One face of a round solid, and the lines of sight in its object's space.
 
-    Attributes
+    Parameters
     ----------
     frame : Frame
-    face : int
-    cull : int
-        0 none, 1 back, 2 front.
-    meet : callable
-        Yields the points where a line meets the piece.
-    origin, step : (3, 3) object
-        Affine functions (A, B, C) of a sample's place; see :class:`Line`.
-    scale : int
-    matrix : Matrix
-        See :meth:`Frame.matrix`.
+    placement : Placement
+        The solid.
+    part : int
+        Index of the face within it.
     """
 
-    frame: Frame
-    face: int
-    cull: int
-    meet: Callable[[Line], Points]
-    origin: Array
-    step: Array
-    scale: int
-    matrix: Matrix
-
-    def line(self, i: int, j: int) -> Line:
-        """Return the line of sight of a place."""
-        origin, step = ([germ(row, i, j) for row in rows] for rows in (self.origin, self.step))
-        *row, constant = self.matrix[3]
-        depth = _dot(origin, row) + constant * self.scale, _dot(step, row)
-        return Line(origin, step, self.scale, *depth, self.scale * self.matrix[4][3])
+    def __init__(self, frame: Frame, placement: Placement, part: int) -> None:
+        solid = placement.shape.quadric
+        assert solid is not None, "a planar piece is a facet"
+        self.limits, self.face, self.cull = frame.limits, placement.first + part, placement.cull
+        self.matrix = frame.matrix(placement)
+        self.sight = [numbers[0] for numbers in sights_of(frame, np.array([self.matrix], object))]
+        self.meet = (
+            partial(_meet_disc, solid, solid.ends[part - 1]) if part else partial(_meet_surface, solid)
+        )
 
     def hits(self, i: int, j: int) -> Iterator[Hit]:
         """Yield the hits in the limit that are visible but for other faces."""
-        line = self.line(i, j)
+        *rows, scale = self.sight
+        origin, step = ([germ(row, i, j) for row in part] for part in rows)
+        line = Line(origin, step, scale, self.matrix)
         for t, outside in self.meet(line):
             culled = self.cull == (2 if outside else 1)
-            if not culled and line.between(self.frame.limits, t):
+            if not culled and line.between(self.limits, t):
                 yield Hit(self.face, t, line)
-
-
-def curved_piece(frame: Frame, placement: Placement, part: int) -> CurvedPiece:
-    """Set up one face of a round solid, by its index within the object."""
-    solid = placement.shape.quadric
-    assert solid is not None, "a planar piece is a facet"
-    matrix = frame.matrix(placement)
-    origin, step, scale = (numbers[0] for numbers in sights_of(frame, np.array([matrix], object)))
-    meet = partial(_meet_disc, solid, solid.ends[part - 1]) if part else partial(_meet_surface, solid)
-    return CurvedPiece(frame, placement.first + part, placement.cull, meet, origin, step, scale, matrix)
 
 
 def sights_of(frame: Frame, matrix: Array) -> tuple[Array, Array, Array]:

@@ -5,15 +5,16 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
-from itertools import accumulate, chain, groupby, repeat
+from functools import lru_cache
+from itertools import accumulate, groupby, pairwise, repeat
 from math import inf
-from typing import NamedTuple, TypeVar, cast
+from operator import attrgetter
+from typing import cast
 
 import numpy as np
 
 from hsr.base.arrays import Array, Bools, Floats, Ints
-from hsr.certify.curved import CurvedPiece, Hit, curved_piece, root_on_plane, sights_of
+from hsr.certify.curved import CurvedPiece, Hit, root_on_plane, sights_of
 from hsr.certify.facets import Corner, Facet, corner_of, facet_of
 from hsr.certify.frame import Frame, Matrix, frame_of
 from hsr.problem.geometry import Geometry
@@ -87,15 +88,11 @@ def resolve(view: View, sample: Array, piece: Ints, sure: Bools) -> Resolved:
     -------
     Resolved
     """
-    if len(sample) == 0:
-        return Resolved(np.zeros(0, np.int64), np.zeros(0, np.int32), np.zeros(0))
     order = sample.argsort(kind="stable")
-    sample = sample[order].astype(np.int64)
-    first = np.flatnonzero(np.concatenate([[True], sample[1:] != sample[:-1], [True]]))
-    candidates = Candidates(sample[first[:-1]], first, piece[order], sure[order])
-    frame = frame_of(view)
-    found = np.fromiter(_owners(frame, _pieces_of(view, frame), candidates), OWNER, len(candidates.sample))
-    return Resolved(candidates.sample, found["face"], found["depth"])
+    first = np.flatnonzero(np.diff(sample[order], prepend=-1, append=-1))
+    sample = sample[order][first[:-1]].astype(np.int64)
+    found = np.fromiter(_owners(view, sample, first, piece[order], sure[order]), OWNER, len(sample))
+    return Resolved(sample, found["face"], found["depth"])
 
 
 def facets_at(view: View, piece: Ints) -> tuple[Frame, list[Facet]]:
@@ -113,8 +110,7 @@ def facets_at(view: View, piece: Ints) -> tuple[Frame, list[Facet]]:
     facets : list of n Facet
     """
     frame = frame_of(view)
-    pieces = _pieces_of(view, frame)
-    return frame, [cast(Facet, pieces[number]) for number in piece.tolist()]
+    return frame, [cast(Facet, made) for made in map(_pieces_of(view, frame), piece.tolist())]
 
 
 def sights_at(view: View, things: Array) -> tuple[Frame, Array, Array, Array]:
@@ -141,51 +137,34 @@ def sights_at(view: View, things: Array) -> tuple[Frame, Array, Array, Array]:
 # ---------------------------------------------------------------- the pieces
 
 Piece = Facet | CurvedPiece
-Key = TypeVar("Key")
-Value = TypeVar("Value")
 
 
-class Kept(dict[Key, Value]):
-    """What a function makes of what it is given, made when first asked for and kept while there is room."""
+def _pieces_of(view: View, frame: Frame) -> Callable[[int], Piece]:
+    """Return what sets up a piece by its number, and keeps the last ones that were asked for."""
+    starts = first_pieces(view.geometry)
 
-    def __init__(self, make: Callable[[Key], Value]):
-        self.make = make
+    @lru_cache(KEPT)
+    def matrix(thing: int) -> Matrix:
+        return frame.matrix(view.placements[thing])
 
-    def __missing__(self, key: Key) -> Value:
-        if len(self) >= KEPT:
-            self.clear()
-        made = self[key] = self.make(key)
-        return made
+    @lru_cache(KEPT)
+    def corner(thing: int, vertex: int) -> Corner:
+        polygons = cast(Polygons, view.placements[thing].shape.polygons)
+        return corner_of(matrix(thing), polygons.vertices[vertex].tolist())
 
+    @lru_cache(KEPT)
+    def piece(number: int) -> Piece:
+        thing = bisect_right(starts, number) - 1
+        placement, part = view.placements[thing], number - starts[thing]
+        polygons = placement.shape.polygons
+        if polygons is None:
+            return CurvedPiece(frame, placement, part)
+        part = _turned(polygons, part) if placement.mirrored else part
+        face = placement.first + int(polygons.triangle_face[part])
+        corners = [corner(thing, vertex) for vertex in polygons.triangle_vertex[part].tolist()]
+        return facet_of(frame, placement, face, corners)
 
-def _pieces_of(view: View, frame: Frame) -> Kept[int, Piece]:
-    """Return the pieces of a view."""
-    matrices: Kept[int, Matrix] = Kept(lambda thing: frame.matrix(view.placements[thing]))
-    corners = Kept(partial(_corner, view, matrices))
-    return Kept(partial(_piece, view, frame, first_pieces(view.geometry), corners))
-
-
-def _corner(view: View, matrices: Kept[int, Matrix], which: tuple[int, int]) -> Corner:
-    thing, vertex = which
-    polygons = view.placements[thing].shape.polygons
-    assert polygons is not None, "spheres and cylinders have no vertices"
-    return corner_of(matrices[thing], polygons.vertices[vertex].tolist())
-
-
-def _piece(
-    view: View, frame: Frame, starts: list[int], corners: Kept[tuple[int, int], Corner], number: int
-) -> Piece:
-    """Set up a piece; those of each object begin at ``starts``."""
-    thing = bisect_right(starts, number) - 1
-    placement, part = view.placements[thing], number - starts[thing]
-    polygons = placement.shape.polygons
-    if polygons is None:
-        return curved_piece(frame, placement, part)
-    if placement.mirrored:
-        part = _turned(polygons, part)
-    face = placement.first + int(polygons.face[polygons.triangle_polygon[part]])
-    a, b, c = polygons.triangle_vertex[part].tolist()
-    return facet_of(frame, placement, face, (corners[thing, a], corners[thing, b], corners[thing, c]))
+    return piece
 
 
 def _turned(polygons: Polygons, triangle: int) -> int:
@@ -201,90 +180,46 @@ def _turned(polygons: Polygons, triangle: int) -> int:
 # ---------------------------------------------------------------- the owners
 
 
-class Candidates(NamedTuple):
-    """Pieces that may own samples, sample after sample.
-
-    Attributes
-    ----------
-    sample : (n,) int64
-    first : (n + 1,) int64
-        First candidate of each sample, and how many there are.
-    piece : (m,) int32
-    sure : (m,) bool
-    """
-
-    sample: Array
-    first: Array
-    piece: Ints
-    sure: Bools
-
-
-class Span(NamedTuple):
-    """Samples side by side in a row that have the same candidates.
-
-    Attributes
-    ----------
-    row, column : int
-        Of the first sample.
-    length : int
-    pieces : list of int
-    sure : list of bool
-    """
-
-    row: int
-    column: int
-    length: int
-    pieces: list[int]
-    sure: list[bool]
-
-
-def _chunks(candidates: Candidates) -> Iterator[Candidates]:
-    """Cut into runs of CHUNK samples."""
-    sample, first, piece, sure = candidates
-    for low in range(0, len(sample), CHUNK):
-        own = first[low : low + CHUNK + 1]
-        run = slice(own[0], own[-1])
-        yield Candidates(sample[low : low + CHUNK], own - own[0], piece[run], sure[run])
-
-
-def _spans(frame: Frame, candidates: Candidates) -> Iterator[Span]:
-    """Gather samples in spans."""
-    row, column = np.divmod(candidates.sample, frame.width)
-    # Along a span the column grows as the index of the sample does.
-    origin, index = column - np.arange(len(column)), 0
-    pieces, sure, bounds = candidates.piece.tolist(), candidates.sure.tolist(), candidates.first.tolist()
-    asked = (
-        (y, x, pieces[low:high], sure[low:high])
-        for y, x, low, high in zip(row.tolist(), origin.tolist(), bounds, bounds[1:], strict=False)
-    )
-    for (y, x, *question), alike in groupby(asked):
-        length = sum(1 for _ in alike)
-        yield Span(y, x + index, length, *question)
-        index += length
-
-
-def _owners(frame: Frame, pieces: Kept[int, Piece], candidates: Candidates) -> Iterator[tuple[int, float]]:
-    """Yield the owner of each sample, and its depth."""
-    spans = chain.from_iterable(_spans(frame, chunk) for chunk in _chunks(candidates))
-    for row, column, length, numbers, sure in spans:
-        asked = [pieces[number] for number in numbers]
+def _owners(view: View, sample: Array, first: Array, piece: Ints, sure: Bools) -> Iterator[tuple[int, float]]:
+    """Yield the owner of each sample, and its depth; their candidates begin at ``first``, then end."""
+    frame = frame_of(view)
+    pieces = _pieces_of(view, frame)
+    for row, column, length, numbers, certain in _spans(view.width, sample, first, piece, sure):
+        asked = [pieces(number) for number in numbers]
         i, j = frame.place(row, column)
-        facet = _settled(asked) if all(sure) else None
+        facet = _settled(asked) if all(certain) else None
         if facet is not None:
             yield from zip(repeat(facet.face), facet.depths(i, j, length), strict=False)
         else:
-            yield from (_owner(frame, asked, sure, i + 2 * k, j) for k in range(length))
+            yield from (_owner(frame, asked, certain, i + 2 * k, j) for k in range(length))
+
+
+def _spans(
+    width: int, sample: Array, first: Array, piece: Ints, sure: Bools
+) -> Iterator[tuple[int, int, int, list[int], list[bool]]]:
+    """Yield row, first column and length of spans of samples that have the same candidates, and those."""
+    for low in range(0, len(sample), CHUNK):
+        row, column = np.divmod(sample[low : low + CHUNK], width)
+        bounds = first[low : low + CHUNK + 1]
+        run, ends = slice(bounds[0], bounds[-1]), (bounds - bounds[0]).tolist()
+        pieces, certain = piece[run].tolist(), sure[run].tolist()
+        # Along a span the column grows as the index of the sample does.
+        origin, index = column - np.arange(len(column)), 0
+        asked = (
+            (y, x, pieces[start:end], certain[start:end])
+            for y, x, (start, end) in zip(row.tolist(), origin.tolist(), pairwise(ends), strict=True)
+        )
+        for (y, x, *question), alike in groupby(asked):
+            length = sum(1 for _ in alike)
+            yield y, x + index, length, *question
+            index += length
 
 
 def _settled(asked: list[Piece]) -> Facet | None:
     """Return the owner wherever all these cover a sample, if they are of one plane."""
-    owner: Facet | None = None
-    for piece in asked:
-        if isinstance(piece, CurvedPiece) or (owner is not None and owner.plane != piece.plane):
-            return None
-        if owner is None or piece.face < owner.face:
-            owner = piece
-    return owner
+    facets = [piece for piece in asked if isinstance(piece, Facet)]
+    alike = len(facets) == len(asked) and all(facet.plane == facets[0].plane for facet in facets)
+    return min(facets, key=attrgetter("face")) if alike else None
 
 
 def _owner(frame: Frame, asked: list[Piece], sure: list[bool], i: int, j: int) -> tuple[int, float]:

@@ -8,7 +8,7 @@ the determinant's. Other affine functions on the triangle are combinations of th
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import gcd
 from typing import NamedTuple
 
@@ -80,7 +80,7 @@ def corner_of(matrix: Matrix, point: list[float]) -> Corner:
     return i, j, w, depth, one
 
 
-def facet_of(frame: Frame, placement: Placement, face: int, corners: tuple[Corner, Corner, Corner]) -> Facet:
+def facet_of(frame: Frame, placement: Placement, face: int, corners: Sequence[Corner]) -> Facet:
     """Set up a triangle of a fan.
 
     Parameters
@@ -89,23 +89,22 @@ def facet_of(frame: Frame, placement: Placement, face: int, corners: tuple[Corne
     placement : Placement
         Its object.
     face : int
-    corners : tuple of 3 Corner
+    corners : 3 Corner
         In the order of the fan, so clockwise on the screen if the front is seen of a mirrored object.
     """
     a, b, c = corners
-    edges = _cross(b, c), _cross(c, a), _cross(a, b)
+    edges: tuple[Affine, ...] = _cross(b, c), _cross(c, a), _cross(a, b)
     turn = a[0] * edges[0][0] + a[1] * edges[0][1] + a[2] * edges[0][2]
     front = (turn > 0) != placement.mirrored
     drawn = turn != 0 and placement.cull != (2 if front else 1)
     if turn < 0:
-        turn, edges = -turn, (_negative(edges[0]), _negative(edges[1]), _negative(edges[2]))
+        turn, edges = -turn, tuple((-x, -y, -z) for x, y, z in edges)
 
-    depth = _combined(a[3], b[3], c[3], edges)
-    one = _combined(a[4], b[4], c[4], edges)
-    near, *far = frame.limits
-    inside = (*edges, _sum(1, depth, -near, one), *(_sum(-1, depth, limit, one) for limit in far))
-    plane, unit = _plane(frame, turn, depth, one), frame.unit
-    return Facet(face, drawn, inside, plane, (depth, (unit * one[0], unit * one[1], unit * one[2])))
+    depth, one = (_combined(a[k], b[k], c[k], edges) for k in (3, 4))
+    ways = zip((1, -1), frame.limits, strict=False)
+    limits = [_combined(way, -way * limit, 0, (depth, one, one)) for way, limit in ways]
+    below = _combined(frame.unit, 0, 0, (one, one, one))
+    return Facet(face, drawn, (*edges, *limits), _plane(frame, turn, depth, one), (depth, below))
 
 
 def _cross(a: Corner, b: Corner) -> Affine:
@@ -114,20 +113,10 @@ def _cross(a: Corner, b: Corner) -> Affine:
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
-def _negative(function: Affine) -> Affine:
-    x, y, z = function
-    return -x, -y, -z
-
-
-def _combined(p: int, q: int, r: int, edges: tuple[Affine, Affine, Affine]) -> Affine:
-    """Return the affine function that has these values at the corners, times the determinant."""
-    (ax, ay, az), (bx, by, bz), (cx, cy, cz) = edges
+def _combined(p: int, q: int, r: int, functions: Sequence[Affine]) -> Affine:
+    """Return the sum; of edges, the function of these values at the corners, times the determinant."""
+    (ax, ay, az), (bx, by, bz), (cx, cy, cz) = functions
     return p * ax + q * bx + r * cx, p * ay + q * by + r * cy, p * az + q * bz + r * cz
-
-
-def _sum(p: int, one: Affine, q: int, other: Affine) -> Affine:
-    (ax, ay, az), (bx, by, bz) = one, other
-    return p * ax + q * bx, p * ay + q * by, p * az + q * bz
 
 
 def _plane(frame: Frame, turn: int, depth: Affine, one: Affine) -> tuple[int, int, int, int]:
