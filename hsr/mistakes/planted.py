@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from hsr.mistakes.renderers import Buffer, levels_of_window
+from hsr.mistakes.renderers import Buffer, levels, window
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View
 
@@ -22,7 +22,7 @@ MISTAKES = {
     "truncating snap": Buffer(grid=16.0),
     "swapped winding": Buffer(swapped=True),
     "unnormalised t": Buffer(unscaled=True),
-    "16-bit depth": Buffer(stored=levels_of_window(16)),
+    "16-bit depth": Buffer(stored=levels(16, window)),
     "first instead of nearest hit": Buffer(nearest=False),
     "truncated bounding box": Buffer(short_box=True),
 }

@@ -18,6 +18,8 @@ from hsr.problem.map import BACKGROUND, VisibilityMap
 from hsr.problem.view import Placement, View
 
 Real = type[np.floating[Any]]
+Stored = Callable[[View, Floats], Array]
+"""What a buffer keeps of the depths (n,) of a view, ascending."""
 
 GRID = 256
 """Fractions of a pixel on which ``whole`` edge functions put their corners."""
@@ -81,7 +83,7 @@ class Buffer:
         Whether row 0 is the bottom row.
     """
 
-    stored: Callable[[View, Floats], Array] | None = None
+    stored: Stored | None = None
     real: Real = np.float64
     composed: bool = False
     divided: bool = True
@@ -212,127 +214,117 @@ def _from_upper_left(view: View, corners: Floats) -> Floats:
 # ---------------------------------------------------------------- depth formats
 
 
-def levels_of_window(bits: int) -> Callable[[View, Floats], Array]:
-    """Store window depth as one of ``2**bits`` levels."""
-    top = 2.0**bits - 1.0
-
-    def stored(view: View, d: Floats) -> Array:
-        if view.perspective:
-            return np.rint((1.0 - view.near / d) / (1.0 - view.near / view.far) * top)
-        return np.rint((d - view.near) / (view.far - view.near) * top)
-
-    return stored
+def levels(bits: int, curve: Stored) -> Stored:
+    """Store what a curve makes of depths, at most 1, as one of ``2**bits`` levels."""
+    return lambda view, d: np.rint(curve(view, d) * (2.0**bits - 1.0))
 
 
-def levels_of_logarithm(bits: int) -> Callable[[View, Floats], Array]:
-    """Store ``ln(d / near) / ln(far / near)`` as one of ``2**bits`` levels."""
-    top = 2.0**bits - 1.0
-    return lambda view, d: np.floor(np.log(d / view.near) / np.log(view.far / view.near) * top + 0.5)
+def window(view: View, d: Floats) -> Array:
+    """Return window depth: 0 at near, 1 at far."""
+    if view.perspective:
+        return (1.0 - view.near / d) / (1.0 - view.near / view.far)
+    return (d - view.near) / (view.far - view.near)
 
 
-def levels_of_reversed(bits: int) -> Callable[[View, Floats], Array]:
-    """Store reversed window depth as one of ``2**bits`` levels, negated so that smaller is nearer."""
-    top = 2.0**bits - 1.0
-    return lambda view, d: -np.floor(reversed_window(view, d) * top + 0.5)
+def logarithm(view: View, d: Floats) -> Array:
+    """Return ``ln(d / near) / ln(far / near)``."""
+    return np.asarray(np.log(d / view.near) / np.log(view.far / view.near))
 
 
-def minifloat(exponent: int, mantissa: int) -> Callable[[View, Floats], Array]:
+def receding(view: View, d: Floats) -> Array:
+    """Return reversed window depth, negated so that smaller is nearer: -1 at near, 0 at far."""
+    return (view.near / view.far - view.near / d) / (1.0 - view.near / view.far)
+
+
+def minifloat(exponent: int, mantissa: int) -> Stored:
     """Store reversed window depth as a float of so many bits of exponent and of mantissa, negated."""
     least = 2 - 2 ** (exponent - 1) - mantissa
 
     def stored(view: View, d: Floats) -> Array:
-        value = reversed_window(view, d)
+        value = receding(view, d)
         step = np.exp2(np.maximum(np.frexp(value)[1] - 1 - mantissa, least))
-        return np.asarray(-np.rint(value / step) * step)
+        return np.asarray(np.rint(value / step) * step)
 
     return stored
 
 
-def reversed_through_ndc(view: View, d: Floats) -> Array:
+def through_ndc(view: View, d: Floats) -> Array:
     """Store reversed window depth as float32 that went through [-1, 1], negated."""
-    ndc = (2.0 * reversed_window(view, d) - 1.0).astype(np.float32)
+    ndc = (-2.0 * receding(view, d) - 1.0).astype(np.float32)
     return -(np.float32(0.5) * ndc + np.float32(0.5))
 
 
-def reversed_window(view: View, d: Floats) -> Floats:
-    """Return 1 minus window depth: 1 at near, 0 at far."""
-    return (view.near / d - view.near / view.far) / (1.0 - view.near / view.far)
-
-
-def distance(real: Real) -> Callable[[View, Floats], Array]:
+def distance(real: Real) -> Stored:
     """Store the parameter of the ray, the depth itself, as a float of this type."""
     return lambda _, d: d.astype(real)
 
 
 # ---------------------------------------------------------------- rays
 
+Hits = Iterator[tuple[int, Array]]
+"""Faces of an object, and how far along their rays (H, W) they are met."""
 
-def _object_rays(view: View, real: Real) -> Iterator[tuple[Placement, Array, Array]]:
-    """Yield every object, and origins and directions (3, H, W) of the rays in its frame."""
+
+def _cast(view: View, real: Real, meet: Callable[[Placement, Array, Array], Hits]) -> Ints:
+    """Return the face (H, W) met first within near and far.
+
+    ``meet`` is given each object, and origins and directions (3, H, W) of the rays in its frame.
+    """
     x, y = samples(view.width, view.height)
     ndc = np.stack([np.ones_like(x), 2.0 * x / view.width, 2.0 * y / view.height])
     origin, direction = (np.tensordot(part, ndc, 1) for part in (view.rays.origin, view.rays.direction))
+    face, best = np.full(x.shape, BACKGROUND, np.int32), np.full(x.shape, np.inf)
     for placement in view.placements:
         matrix = placement.world_from_object
         inverse = np.linalg.inv(matrix[:3, :3])
-        o = np.tensordot(inverse, origin - matrix[:3, 3, None, None], 1)
-        d = np.tensordot(inverse, direction, 1)
-        yield placement, o.astype(real), d.astype(real)
-
-
-def _nearest(view: View, hits: Iterator[tuple[int, Array]]) -> Ints:
-    """Return the face (H, W) of the least t within near and far, among faces and their t (H, W)."""
-    face = np.full((view.height, view.width), BACKGROUND, np.int32)
-    best = np.full(face.shape, np.inf)
-    for owner, t in hits:
-        nearer = (t >= view.near) & (t <= view.far) & (t < best)
-        face[nearer], best[nearer] = owner, t[nearer]
+        o = np.tensordot(inverse, origin - matrix[:3, 3, None, None], 1).astype(real)
+        d = np.tensordot(inverse, direction, 1).astype(real)
+        for owner, t in meet(placement, o, d):
+            nearer = (t >= view.near) & (t <= view.far) & (t < best)
+            face[nearer], best[nearer] = owner, t[nearer]
     return face
 
 
 def naive_spheres(real: Real) -> Callable[[View], Ints]:
     """Meet spheres by ``b^2 - a c``, as it stands, in these numbers. There is nothing else."""
+    return lambda view: _cast(view, real, _sphere_hits)
 
-    def hits(view: View) -> Iterator[tuple[int, Array]]:
-        for placement, o, d in _object_rays(view, real):
-            a, b, c = (d * d).sum(0), (o * d).sum(0), (o * o).sum(0) - real(1.0)
-            root = np.sqrt(b * b - a * c)
-            yield from ((placement.first, (-b + sign * root) / a) for sign in (real(-1.0), real(1.0)))
 
-    return lambda view: _nearest(view, hits(view))
+def _sphere_hits(thing: Placement, o: Array, d: Array) -> Hits:
+    a, b, c = (d * d).sum(0), (o * d).sum(0), (o * o).sum(0) - 1.0
+    root = np.sqrt(b * b - a * c)
+    yield from ((thing.first, (-b + sign * root) / a) for sign in (-1.0, 1.0))
 
 
 def general_cylinders(real: Real) -> Callable[[View], Ints]:
     """Meet cylinders by ``a = d.d - (d.axis)^2``, as for an axis of any direction. There is nothing else."""
+    return lambda view: _cast(view, real, _cylinder_hits)
 
-    def hits(view: View) -> Iterator[tuple[int, Array]]:
-        for placement, o, d in _object_rays(view, real):
-            a = (d * d).sum(0) - d[2] * d[2]
-            b = (o * d).sum(0) - o[2] * d[2]
-            c = (o * o).sum(0) - o[2] * o[2] - real(1.0)
-            root = np.sqrt(b * b - a * c)
-            for sign in (real(-1.0), real(1.0)):
-                t = (-b + sign * root) / a
-                z = o[2] + t * d[2]
-                yield placement.first, np.where((z >= 0.0) & (z <= 1.0), t, np.inf)
-            for number, end in enumerate((real(0.0), real(1.0))):
-                t = (end - o[2]) / d[2]
-                x, y = o[0] + t * d[0], o[1] + t * d[1]
-                yield placement.first + 1 + number, np.where(x * x + y * y <= 1.0, t, np.inf)
 
-    return lambda view: _nearest(view, hits(view))
+def _cylinder_hits(thing: Placement, o: Array, d: Array) -> Hits:
+    a = (d * d).sum(0) - d[2] * d[2]
+    b = (o * d).sum(0) - o[2] * d[2]
+    c = (o * o).sum(0) - o[2] * o[2] - 1.0
+    root = np.sqrt(b * b - a * c)
+    for sign in (-1.0, 1.0):
+        t = (-b + sign * root) / a
+        z = o[2] + t * d[2]
+        yield thing.first, np.where((z >= 0.0) & (z <= 1.0), t, np.inf)
+    for number, end in enumerate((0.0, 1.0)):
+        t = (end - o[2]) / d[2]
+        x, y = o[0] + t * d[0], o[1] + t * d[1]
+        yield thing.first + 1 + number, np.where(x * x + y * y <= 1.0, t, np.inf)
 
 
 def naive_boxes(view: View) -> Ints:
     """Meet the extents of objects by slabs, where the least of a number and NaN is NaN; each has one face."""
+    return _cast(view, np.float64, _box_hits)
 
-    def hits() -> Iterator[tuple[int, Array]]:
-        for placement, o, d in _object_rays(view, np.float64):
-            polygons = placement.shape.polygons
-            assert polygons is not None, "a box is made of polygons"
-            low, high = polygons.vertices.min(0)[:, None, None], polygons.vertices.max(0)[:, None, None]
-            one, other = (low - o) / d, (high - o) / d
-            enter, leave = np.minimum(one, other).max(0), np.maximum(one, other).min(0)
-            yield placement.first, np.where(enter <= leave, enter, np.inf)
 
-    return _nearest(view, hits())
+def _box_hits(thing: Placement, o: Array, d: Array) -> Hits:
+    polygons = thing.shape.polygons
+    assert polygons is not None, "a box is made of polygons"
+    low, high = polygons.vertices.min(0)[:, None, None], polygons.vertices.max(0)[:, None, None]
+    one, other = (low - o) / d, (high - o) / d
+    enter, leave = np.minimum(one, other).max(0), np.maximum(one, other).min(0)
+    yield thing.first, np.where(enter <= leave, enter, np.inf)

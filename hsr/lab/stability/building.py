@@ -17,12 +17,6 @@ PITCH = 8
 """Pixels from one line of a net to the next."""
 
 
-def powers_of_two(first: int, last: int, step: int = 1) -> tuple[float, ...]:
-    """Return ``2**first`` to ``2**last``, both included, in steps of so many octaves."""
-    sign = 1 if last >= first else -1
-    return tuple(2.0**k for k in range(first, last + sign, sign * step))
-
-
 # ---------------------------------------------------------------- cameras
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from hsr.algorithms.registry import certified_methods, method_named, methods
 from hsr.base.arrays import Bools, Ints
 from hsr.base.errors import HsrError
+from hsr.mistakes.renderers import Buffer
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View, view
 from hsr.scene.model import Scene
@@ -24,6 +25,10 @@ EVERY = 3
 
 Mistake = Callable[[View], Ints]
 """A renderer with a planted mistake: from a view to the faces (H, W) int32 that it shows."""
+
+
+Breaks = float | Callable[[int], float] | None
+"""A value of the parameter, a function that computes it from the side of the picture, or none."""
 
 
 @dataclass(frozen=True)
@@ -58,13 +63,13 @@ class Variant:
     """
 
     name: str
-    breaks: float | Callable[[int], float] | None = None
+    breaks: Breaks = None
     because: str = ""
     factor: float = 2.0
     method: str = ""
     options: Mapping[str, Any] = field(default_factory=dict)
     mistake: Mistake | None = None
-    safe: float | Callable[[int], float] | None = None
+    safe: Breaks = None
     curve: Callable[[float], float] | None = None
     excess: float = 1.0
 
@@ -88,6 +93,11 @@ class Variant:
         with np.errstate(all="ignore"):
             face = self.mistake(seen)
         return VisibilityMap(face, np.where(face >= 0, 0.0, np.inf), self.name)
+
+
+def buffer(name: str, breaks: Breaks, because: str, **mistake: Any) -> Variant:
+    """Return a depth buffer with a mistake, or a format of its own: attributes of :class:`Buffer`."""
+    return Variant(name, breaks, because, mistake=Buffer(**mistake))
 
 
 @dataclass(frozen=True)
@@ -258,15 +268,58 @@ GROUPS = {
 """What the families are about."""
 
 
-def hard_case(**facts: Any) -> Callable[[Callable[[float, int], Scene]], Family]:
+FOLEY = "J. Foley, A. van Dam, S. Feiner, J. Hughes, Computer Graphics: Principles and Practice"
+HILL = "F. S. Hill, S. M. Kelley, Computer Graphics Using OpenGL"
+OPENGL = "The OpenGL Graphics System"
+SHEWCHUK = "J. R. Shewchuk, Adaptive Precision Floating-Point Arithmetic"
+"""Books and papers that several families go back to."""
+
+Scenes = Callable[[float, int], Scene]
+"""From a value of the parameter, and the side of the picture, to the scene."""
+
+
+def octaves(first: float, last: float, step: float = 1.0) -> tuple[float, ...]:
+    """Return ``2**first`` to ``2**last``, both included, in steps of so many octaves."""
+    return tuple(2.0**k for k in np.linspace(first, last, round(abs(last - first) / step) + 1).tolist())
+
+
+def hard_case(
+    group: str, parameter: str, sweep: tuple[float, ...], continuous: bool = True
+) -> Callable[[Scenes], Family]:
     """Make a family of the function below, which returns its scenes.
 
-    The function's name is that of the family, the second paragraph of its docstring the story. Everything
-    else is said in ``facts``: the other attributes of :class:`Family`.
+    The function's name is that of the family, the second paragraph of its docstring the story. What else
+    there is to say, :func:`truth`, :func:`source`, :func:`variants` and :func:`also` say in between.
     """
 
-    def made(scene: Callable[[float, int], Scene]) -> Family:
-        story = (inspect.getdoc(scene) or "").split("\n\n")[1].replace("\n", " ")
-        return Family(name=scene.__name__.replace("_", "-"), story=story, scene=scene, **facts)
+    def made(scene: Scenes) -> Family:
+        name, story = scene.__name__.replace("_", "-"), (inspect.getdoc(scene) or "").split("\n\n")[1]
+        facts = {"story": story.replace("\n", " "), "sweep": sweep, "continuous": continuous, **vars(scene)}
+        return Family(name, group, parameter=parameter, scene=scene, **facts)
 
     return made
+
+
+def truth(answer: str) -> Callable[[Scenes], Scenes]:
+    """Say what the exact answer is."""
+    return also(expected=answer)
+
+
+def source(reference: str) -> Callable[[Scenes], Scenes]:
+    """Say which book or paper the case, or the formula, goes back to."""
+    return also(source=reference)
+
+
+def variants(*those: Variant) -> Callable[[Scenes], Scenes]:
+    """Say of which variants theory says something, and what."""
+    return also(variants=those)
+
+
+def also(**facts: Any) -> Callable[[Scenes], Scenes]:
+    """Say what other attributes of :class:`Family` are, if they are not what they mostly are."""
+
+    def noted(scene: Scenes) -> Scenes:
+        vars(scene).update(facts)
+        return scene
+
+    return noted

@@ -13,7 +13,7 @@ from hsr.lab.stability.building import parallel, scene_of, wall
 from hsr.lab.stability.cases import family_named
 from hsr.lab.stability.family import Family, Variant
 from hsr.lab.stability.judge import FINE, PLANTED, Result, Verdict, contradictions, judge
-from hsr.mistakes.renderers import Buffer, levels_of_reversed
+from hsr.mistakes.renderers import Buffer, levels, receding
 from hsr.problem.view import View
 from hsr.scene.model import Scene
 
@@ -152,7 +152,7 @@ def test_a_buffer_one_bit_too_coarse_is_found_out() -> None:
     (d16,) = (variant for variant in pairs.variants if variant.name == "D16 reversed")
 
     def told(bits: int) -> Verdict:
-        variant = replace(d16, mistake=Buffer(stored=levels_of_reversed(bits)))
+        variant = replace(d16, mistake=Buffer(stored=levels(bits, receding)))
         return judge(replace(pairs, variants=(variant,)), quick=True, asked=(d16.name,)).rows[0].verdict
 
     assert (told(16), told(15)) == (Verdict.AS_PREDICTED, Verdict.EARLY)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from hsr.lab.stability.building import central, parallel, placed, powers_of_two, scene_of, wall
-from hsr.lab.stability.family import Variant, hard_case
+from hsr.lab.stability.building import central, parallel, placed, scene_of, wall
+from hsr.lab.stability.family import HILL, Variant, hard_case, octaves, source, truth, variants
 from hsr.lab.stability.rounding import first_drafts
 from hsr.lab.stability.theory import U32, U64
 from hsr.mistakes.renderers import general_cylinders, naive_spheres
@@ -20,26 +20,24 @@ def outline(side: int) -> float:
     return 2.0 * math.pi * (0.5 * SHARE * side) ** 2
 
 
-@hard_case(
-    group="rays",
-    expected="The sphere inside its outline, the background outside.",
-    source="E. Haines, J. Guenther, T. Akenine-Moeller, Precision Improvements for Ray/Sphere Intersection "
-    "(Ray Tracing Gems, 2019)",
-    parameter="distance, in radii",
-    sweep=powers_of_two(2, 36, 2),
-    variants=(
-        *first_drafts(
-            "naive",
-            naive_spheres,
-            lambda unit, side: (outline(side) * unit) ** -0.5,
-            "sqrt(2^24 / (2 pi R^2)): a band of u D^2 about the outline",
-            "sqrt(2^53 / (2 pi R^2))",
-        ),
-        Variant(
-            "raycast-woop-float32",
-            lambda side: 4.0 / (outline(side) * U32),
-            "2^26 / (2 pi R^2): a band of u D / 4, half a spacing on average",
-        ),
+@hard_case("rays", "distance, in radii", octaves(2, 36, 2))
+@truth("The sphere inside its outline, the background outside.")
+@source(
+    "E. Haines, J. Guenther, T. Akenine-Moeller, Precision Improvements for Ray/Sphere Intersection "
+    "(Ray Tracing Gems, 2019)"
+)
+@variants(
+    *first_drafts(
+        "naive",
+        naive_spheres,
+        lambda unit, side: (outline(side) * unit) ** -0.5,
+        "sqrt(2^24 / (2 pi R^2)): a band of u D^2 about the outline",
+        "sqrt(2^53 / (2 pi R^2))",
+    ),
+    Variant(
+        "raycast-woop-float32",
+        lambda side: 4.0 / (outline(side) * U32),
+        "2^26 / (2 pi R^2): a band of u D / 4, half a spacing on average",
     ),
 )
 def distant_sphere(away: float, _: int) -> Scene:
@@ -68,18 +66,16 @@ def lowest(unit: float, side: int) -> float:
     return 10.0 * unit * RADIUS * side / 8.0
 
 
-@hard_case(
-    group="rays",
-    expected="The planet below the horizon, the sky above.",
-    source="E. Haines, J. Guenther, T. Akenine-Moeller, Precision Improvements for Ray/Sphere Intersection "
-    "(Ray Tracing Gems, 2019)",
-    parameter="height above the ground, in metres",
-    sweep=tuple(0.7 * height for height in powers_of_two(16, -28, 2)),  # powers themselves are not rounded
-    variants=(
-        Variant("raycast-woop-float32", lambda side: lowest(U32, side), "2^-24 r W 10 / 8"),
-        # At most heights the eye's place is off by less than the whole of u r.
-        *first_drafts("naive", naive_spheres, lowest, "2^-24 r W 10 / 8", "2^-53 r W 10 / 8", factor=4.0),
-    ),
+@hard_case("rays", "height above the ground, in metres", tuple(0.7 * h for h in octaves(16, -28, 2)))
+@truth("The planet below the horizon, the sky above.")
+@source(
+    "E. Haines, J. Guenther, T. Akenine-Moeller, Precision Improvements for Ray/Sphere Intersection "
+    "(Ray Tracing Gems, 2019)"
+)
+@variants(
+    Variant("raycast-woop-float32", lambda side: lowest(U32, side), "2^-24 r W 10 / 8"),
+    # At most heights the eye's place is off by less than the whole of u r.
+    *first_drafts("naive", naive_spheres, lowest, "2^-24 r W 10 / 8", "2^-53 r W 10 / 8", factor=4.0),
 )
 def planet(height: float, _: int) -> Scene:
     """Look at the horizon of a planet from the origin, turned by the angle of the triangle of 3, 4 and 5.
@@ -109,23 +105,18 @@ def touched(side: int) -> float:
     return side / 16.0 + 0.3
 
 
-@hard_case(
-    group="rays",
-    expected="A sphere at every other of the tangent samples.",
-    source="F. S. Hill, S. M. Kelley, Computer Graphics Using OpenGL, intersecting rays with a sphere; "
-    "Haines, Guenther, Akenine-Moeller (2019)",
-    parameter="how far rays enter or miss, in pixels",
-    sweep=powers_of_two(-1, -47, 2),
-    variants=(
-        *first_drafts(
-            "naive",
-            naive_spheres,
-            lambda unit, side: unit * RADII**2 * touched(side),
-            "2^-24 k^2 r, at k radii",
-            "2^-53 k^2 r, at k radii",
-        ),
-        Variant("raycast-woop-float32", lambda side: U32 * touched(side), "2^-24 r"),
+@hard_case("rays", "how far rays enter or miss, in pixels", octaves(-1, -47, 2))
+@truth("A sphere at every other of the tangent samples.")
+@source(f"{HILL}, intersecting rays with a sphere; Haines, Guenther, Akenine-Moeller (2019)")
+@variants(
+    *first_drafts(
+        "naive",
+        naive_spheres,
+        lambda unit, side: unit * RADII**2 * touched(side),
+        "2^-24 k^2 r, at k radii",
+        "2^-53 k^2 r, at k radii",
     ),
+    Variant("raycast-woop-float32", lambda side: U32 * touched(side), "2^-24 r"),
 )
 def tangent_rays(depth: float, side: int) -> Scene:
     """Let rays enter the right borders of 4 x 4 spheres by so many pixels, and miss others by as many.
@@ -158,17 +149,12 @@ def worst_condition(unit: float, side: int) -> float:
     return 2.0 / (unit * eye * radius * math.sqrt(math.pi))
 
 
-@hard_case(
-    group="rays",
-    expected="The ellipsoid inside its outline.",
-    source="F. S. Hill, S. M. Kelley, Computer Graphics Using OpenGL, rays in the generic frame; G. Golub, "
-    "C. Van Loan, Matrix Computations, 2.6",
-    parameter="condition number of the transform",
-    sweep=powers_of_two(2, 40, 2),
-    variants=(
-        Variant("raycast-woop-float32", lambda side: worst_condition(U32, side), "2^25 / (h R sqrt(pi))"),
-        Variant("raycast-single", lambda side: worst_condition(U64, side), "2^54 / (h R sqrt(pi))"),
-    ),
+@hard_case("rays", "condition number of the transform", octaves(2, 40, 2))
+@truth("The ellipsoid inside its outline.")
+@source(f"{HILL}, rays in the generic frame; G. Golub, C. Van Loan, Matrix Computations, 2.6")
+@variants(
+    Variant("raycast-woop-float32", lambda side: worst_condition(U32, side), "2^25 / (h R sqrt(pi))"),
+    Variant("raycast-single", lambda side: worst_condition(U64, side), "2^54 / (h R sqrt(pi))"),
 )
 def ill_conditioned_transform(condition: float, _: int) -> Scene:
     """Flatten a unit sphere along an axis that is seen at a slant, and fill the picture with it.
@@ -201,19 +187,15 @@ def touching_polygons(method: str, bits: int) -> Variant:
     return Variant(method, lambda side: math.sqrt(2.0) * 2.0**-bits * (0.4 * side) / slope, told)
 
 
-@hard_case(
-    group="order",
-    expected="The wall everywhere.",
-    source="Derived: sqrt(2 r dz), the sagitta of a sphere of radius r",
-    parameter="thickness of the sphere, in depth ranges",
-    sweep=powers_of_two(-2, -34, 2),
-    variants=(
-        touching_polygons("scanline-d16", 16),
-        touching_polygons("scanline-d24", 24),
-        # Less than a step apart depths are equal or not, by where they lie between floats.
-        Variant("raycast-woop-float32", lambda side: flattest(2.0**-25, side), "4 r^2 2^-25", 4.0),
-        touching_polygons("opengl", 24),
-    ),
+@hard_case("order", "thickness of the sphere, in depth ranges", octaves(-2, -34, 2))
+@truth("The wall everywhere.")
+@source("Derived: sqrt(2 r dz), the sagitta of a sphere of radius r")
+@variants(
+    touching_polygons("scanline-d16", 16),
+    touching_polygons("scanline-d24", 24),
+    # Less than a step apart depths are equal or not, by where they lie between floats.
+    Variant("raycast-woop-float32", lambda side: flattest(2.0**-25, side), "4 r^2 2^-25", 4.0),
+    touching_polygons("opengl", 24),
 )
 def touching_solids(thickness: float, side: int) -> Scene:
     """Let a flattened sphere touch a wall from behind, in the middle of the picture.
@@ -227,23 +209,19 @@ def touching_solids(thickness: float, side: int) -> Scene:
     return scene_of(parallel(side, 0.0, 1.0), ball, wall(0.4, side), segments=SEGMENTS)
 
 
-@hard_case(
-    group="rays",
-    expected="The wall where the ray leaves through it, the cap at the end elsewhere.",
-    source="F. S. Hill, S. M. Kelley, Computer Graphics Using OpenGL, intersecting rays with a cylinder",
-    parameter="greatest tilt of a ray against the axis",
-    sweep=powers_of_two(-2, -36, 2),
-    variants=(
-        *first_drafts(
-            "general axis,",
-            general_cylinders,
-            lambda unit, _: unit**0.5,
-            "2^-12: tilt^2 = 2^-24",
-            "2^-26.5: tilt^2 = 2^-53",
-        ),
-        Variant(
-            "raycast-single", lambda side: 0.5 * side * side * U64, "2^-53 W^2 / 2: the distance to the wall"
-        ),
+@hard_case("rays", "greatest tilt of a ray against the axis", octaves(-2, -36, 2))
+@truth("The wall where the ray leaves through it, the cap at the end elsewhere.")
+@source("F. S. Hill, S. M. Kelley, Computer Graphics Using OpenGL, intersecting rays with a cylinder")
+@variants(
+    *first_drafts(
+        "general axis,",
+        general_cylinders,
+        lambda unit, _: unit**0.5,
+        "2^-12: tilt^2 = 2^-24",
+        "2^-26.5: tilt^2 = 2^-53",
+    ),
+    Variant(
+        "raycast-single", lambda side: 0.5 * side * side * U64, "2^-53 W^2 / 2: the distance to the wall"
     ),
 )
 def cylinder_along_axis(tilt: float, _: int) -> Scene:

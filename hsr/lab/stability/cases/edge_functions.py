@@ -6,28 +6,25 @@ import math
 
 import numpy as np
 
-from hsr.lab.stability.building import flat, mesh, parallel, powers_of_two, samples, scene_of, wall
-from hsr.lab.stability.family import Variant, hard_case
+from hsr.lab.stability.building import flat, mesh, parallel, samples, scene_of, wall
+from hsr.lab.stability.family import FOLEY, Variant, buffer, hard_case, octaves, source, truth, variants
 from hsr.lab.stability.theory import U32, U64
-from hsr.mistakes.renderers import GRID, Buffer
+from hsr.mistakes.renderers import GRID
 from hsr.scene.model import Scene
 
 OFF = 2.0**-6
 """How far from samples the edge of a huge triangle passes, in pixels along y."""
 
 
-@hard_case(
-    group="coverage",
-    expected="The triangle at the samples below its edge, the wall at those above.",
-    source="M. Olano, T. Greer, Triangle Scan Conversion Using 2D Homogeneous Coordinates (1997), external "
-    "triangles",
-    parameter="distance of the corners, in pixels",
-    sweep=powers_of_two(4, 40, 3),
-    variants=(
-        Variant("float32 corners", OFF / U32, "2^24 off", mistake=Buffer(real=np.float32)),
-        Variant("opengl", OFF / U32, "2^24 off: its corners are float32"),
-        Variant("scanline-direct", None, "2^53 off, beyond the sweep"),
-    ),
+@hard_case("coverage", "distance of the corners, in pixels", octaves(4, 40, 3))
+@truth("The triangle at the samples below its edge, the wall at those above.")
+@source(
+    "M. Olano, T. Greer, Triangle Scan Conversion Using 2D Homogeneous Coordinates (1997), external triangles"
+)
+@variants(
+    buffer("float32 corners", OFF / U32, "2^24 off", real=np.float32),
+    Variant("opengl", OFF / U32, "2^24 off: its corners are float32"),
+    Variant("scanline-direct", None, "2^53 off, beyond the sweep"),
 )
 def huge_triangle(length: float, side: int) -> Scene:
     """Lay an edge of slope 1/3 just below samples; its triangle reaches as far down.
@@ -50,17 +47,15 @@ def first_overflow(bits: int) -> float:
     return math.sqrt(2.0 ** (bits - 1) / 24.0) / GRID
 
 
-@hard_case(
-    group="coverage",
-    expected="The triangle at the samples below its edge, the wall at those above.",
-    source="Derived: the product of two differences of corners; cf. J. Pineda, A Parallel Algorithm for "
-    "Polygon Rasterization (1988)",
-    parameter="distance of the corners, in pixels",
-    sweep=powers_of_two(2, 16, 2),
-    variants=(
-        Variant("int32", first_overflow(32), "sqrt(2^31 / 24) / 2^8 px", mistake=Buffer(whole=np.int32)),
-        Variant("int64", None, "sqrt(2^63 / 24) / 2^8 px, beyond the sweep", mistake=Buffer(whole=np.int64)),
-    ),
+@hard_case("coverage", "distance of the corners, in pixels", octaves(2, 16, 2))
+@truth("The triangle at the samples below its edge, the wall at those above.")
+@source(
+    "Derived: the product of two differences of corners; cf. J. Pineda, A Parallel Algorithm for "
+    "Polygon Rasterization (1988)"
+)
+@variants(
+    buffer("int32", first_overflow(32), "sqrt(2^31 / 24) / 2^8 px", whole=np.int32),
+    buffer("int64", None, "sqrt(2^63 / 24) / 2^8 px, beyond the sweep", whole=np.int64),
 )
 def integer_overflow(length: float, side: int) -> Scene:
     """Look at the huge triangle.
@@ -85,17 +80,15 @@ def last_zoom(rounding: float, side: int) -> float:
     return 1.0 / (3.0 * side * REACH * rounding)
 
 
-@hard_case(
-    group="coverage",
-    expected="The triangle at the samples below its edge, the background above.",
-    source="L. Kettner, K. Mehlhorn, S. Pion, S. Schirra, C. Yap, Classroom Examples of Robustness Problems "
-    "in Geometric Computations (2008)",
-    parameter="zoom of the window",
-    sweep=powers_of_two(0, 50, 2),
-    variants=(
-        Variant("scanline-direct", lambda side: last_zoom(U64, side), "2^53 / (72 W)"),
-        Variant("opengl", lambda side: last_zoom(U32, side), "2^24 / (72 W)"),
-    ),
+@hard_case("coverage", "zoom of the window", octaves(0, 50, 2))
+@truth("The triangle at the samples below its edge, the background above.")
+@source(
+    "L. Kettner, K. Mehlhorn, S. Pion, S. Schirra, C. Yap, Classroom Examples of Robustness Problems "
+    "in Geometric Computations (2008)"
+)
+@variants(
+    Variant("scanline-direct", lambda side: last_zoom(U64, side), "2^53 / (72 W)"),
+    Variant("opengl", lambda side: last_zoom(U32, side), "2^24 / (72 W)"),
 )
 def tiny_grid(zoom: float, _: int) -> Scene:
     """Look at the point (1/2, 1/2) of a long edge of slope 2/3 through an ever smaller window.
@@ -111,22 +104,14 @@ def tiny_grid(zoom: float, _: int) -> Scene:
     return scene_of({"type": "matrix", "matrix": matrix.tolist()}, triangle)
 
 
-@hard_case(
-    group="coverage",
-    expected="The wall, and on the lower edges of triangles with a height either of the two.",
-    source="J. Foley, A. van Dam, S. Feiner, J. Hughes, Computer Graphics: Principles and Practice, 3.6: "
-    "slivers",
-    parameter="height of the triangles, in pixels",
-    sweep=(*powers_of_two(-1, -19, 2), 0.0),
-    variants=(
-        Variant(
-            "inclusive",
-            0.5,
-            "always: a triangle without area has no outside",
-            mistake=Buffer(inclusive=True, degenerate=True),
-        ),
-        Variant("scanline-direct", None, "no area, no span"),
+@hard_case("coverage", "height of the triangles, in pixels", (*octaves(-1, -19, 2), 0.0))
+@truth("The wall, and on the lower edges of triangles with a height either of the two.")
+@source(f"{FOLEY}, 3.6: slivers")
+@variants(
+    buffer(
+        "inclusive", 0.5, "always: a triangle without area has no outside", inclusive=True, degenerate=True
     ),
+    Variant("scanline-direct", None, "no area, no span"),
 )
 def degenerate_input(height: float, side: int) -> Scene:
     """Lay triangles so high upon lines of samples, and some that are a line or a point, before a wall.

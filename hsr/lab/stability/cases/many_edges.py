@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hsr.lab.stability.building import closed_fan, flat, grid, mesh, panel, parallel, powers_of_two, scene_of
-from hsr.lab.stability.family import Variant, hard_case
+from hsr.lab.stability.building import closed_fan, flat, grid, mesh, panel, parallel, scene_of
+from hsr.lab.stability.family import Variant, hard_case, octaves, source, truth, variants
 from hsr.scene.model import Scene
 
 
@@ -21,23 +21,18 @@ def spokes_of(bits: int, side: int) -> float:
     return 2.0 ** (bits + 3) / side
 
 
-@hard_case(
-    group="coverage",
-    expected="Within the disc the triangle whose angle holds the sample, the background outside.",
-    source="The OpenGL Graphics System, 3.6.1: polygons that share an edge produce each fragment once",
-    parameter="number of spokes",
-    sweep=powers_of_two(2, 13),
-    continuous=False,
-    variants=(
-        Variant(
-            "scanline-snap-4",
-            lambda side: max(4.0, spokes_of(4, side)),
-            "2^(b+3) / W spokes, but no fewer than the sweep has",
-        ),
-        Variant("scanline-snap-8", lambda side: spokes_of(8, side), "2^(b+3) / W spokes", 4.0),
-        Variant("opengl", lambda side: spokes_of(8, side), "2^(b+3) / W spokes", 4.0),
-        Variant("scanline-direct", lambda side: spokes_of(50, side), "2^(b+3) / W, with b = 50"),
+@hard_case("coverage", "number of spokes", octaves(2, 13), continuous=False)
+@truth("Within the disc the triangle whose angle holds the sample, the background outside.")
+@source("The OpenGL Graphics System, 3.6.1: polygons that share an edge produce each fragment once")
+@variants(
+    Variant(
+        "scanline-snap-4",
+        lambda side: max(4.0, spokes_of(4, side)),
+        "2^(b+3) / W spokes, but no fewer than the sweep has",
     ),
+    Variant("scanline-snap-8", lambda side: spokes_of(8, side), "2^(b+3) / W spokes", 4.0),
+    Variant("opengl", lambda side: spokes_of(8, side), "2^(b+3) / W spokes", 4.0),
+    Variant("scanline-direct", lambda side: spokes_of(50, side), "2^(b+3) / W, with b = 50"),
 )
 def fan(spokes: float, side: int) -> Scene:
     """Fill a disc, of which the middle lies near that of the picture, by a closed fan.
@@ -52,19 +47,13 @@ def fan(spokes: float, side: int) -> Scene:
     return scene_of(parallel(side), mesh(flat([[0.1, 0.2], *rim]), closed_fan(len(k))))
 
 
-@hard_case(
-    group="order",
-    expected="An upright slat, else a level one, else the background.",
-    source="M. McKenna, Worst-Case Optimal Hidden-Surface Removal (ACM Transactions on Graphics 6, 1987)",
-    parameter="number of slats each way",
-    sweep=powers_of_two(1, 9),
-    continuous=False,
-    # 4 k edges are moved by 2^-(b+2): each passes a column or line of samples with that probability.
-    variants=(
-        Variant("scanline-snap-4", 2.0**4, "2^b slats", 4.0),
-        Variant("scanline-snap-8", 2.0**8, "2^b slats", 4.0),
-        Variant("opengl", 2.0**8, "2^b slats", 4.0),
-    ),
+@hard_case("order", "number of slats each way", octaves(1, 9), continuous=False)
+@truth("An upright slat, else a level one, else the background.")
+@source("M. McKenna, Worst-Case Optimal Hidden-Surface Removal (ACM Transactions on Graphics 6, 1987)")
+@variants(
+    Variant("scanline-snap-4", 2.0**4, "2^b slats", 4.0),
+    Variant("scanline-snap-8", 2.0**8, "2^b slats", 4.0),
+    Variant("opengl", 2.0**8, "2^b slats", 4.0),
 )
 def slats(count: float, side: int) -> Scene:
     """Hang as many upright slats before as many level ones; slats and gaps are equally wide.
@@ -89,18 +78,14 @@ def pitch_of(bits: int, side: int) -> float:
     return side * side / 4.0 * 3.4 * 2.0 ** -(bits + 2)
 
 
-@hard_case(
-    group="coverage",
-    expected="One triangle of the mesh at every sample within its outline.",
-    source="The OpenGL Graphics System, 3.6.1: polygons that share an edge produce each fragment once",
-    parameter="pitch of the mesh, in pixels",
-    sweep=powers_of_two(4, -2),
-    variants=(
-        Variant("scanline-snap-4", 16.0, "0.85 W^2 2^-(b+2) px, beyond the start of the sweep"),
-        Variant("scanline-snap-8", lambda side: pitch_of(8, side), "0.85 W^2 2^-(b+2) px", 4.0),
-        Variant("opengl", lambda side: pitch_of(8, side), "0.85 W^2 2^-(b+2) px", 4.0),
-        Variant("scanline-direct", None, "0.85 W^2 2^-(b+2) px with b = 45: beyond the end"),
-    ),
+@hard_case("coverage", "pitch of the mesh, in pixels", octaves(4, -2))
+@truth("One triangle of the mesh at every sample within its outline.")
+@source("The OpenGL Graphics System, 3.6.1: polygons that share an edge produce each fragment once")
+@variants(
+    Variant("scanline-snap-4", 16.0, "0.85 W^2 2^-(b+2) px, beyond the start of the sweep"),
+    Variant("scanline-snap-8", lambda side: pitch_of(8, side), "0.85 W^2 2^-(b+2) px", 4.0),
+    Variant("opengl", lambda side: pitch_of(8, side), "0.85 W^2 2^-(b+2) px", 4.0),
+    Variant("scanline-direct", None, "0.85 W^2 2^-(b+2) px with b = 45: beyond the end"),
 )
 def sub_pixel_mesh(pitch: float, side: int) -> Scene:
     """Cover half the picture's width by a wavy mesh, its corners moved at random by a quarter pitch.

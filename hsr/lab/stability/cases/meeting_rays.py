@@ -4,36 +4,22 @@ from __future__ import annotations
 
 import numpy as np
 
-from hsr.lab.stability.building import (
-    central,
-    crumpled,
-    mesh,
-    panel,
-    parallel,
-    powers_of_two,
-    rectangle,
-    scene_of,
-    wall,
-)
-from hsr.lab.stability.family import Variant, hard_case
+from hsr.lab.stability.building import central, crumpled, mesh, panel, parallel, rectangle, scene_of, wall
+from hsr.lab.stability.family import Variant, also, hard_case, octaves, source, truth, variants
 from hsr.lab.stability.rounding import DRIVER, in_space
 from hsr.lab.stability.theory import U64
 from hsr.mistakes.renderers import naive_boxes
 from hsr.scene.model import Scene
 
 
-@hard_case(
-    group="rays",
-    expected="The triangle to the left of and below each corner; nowhere the background.",
-    source="S. Woop, C. Benthin, I. Wald, Watertight Ray/Triangle Intersection (JCGT 2, 2013)",
-    parameter="distance of the rays from the corners, in pixels",
-    sweep=powers_of_two(-1, -49, 2),
-    variants=(
-        *in_space(),
-        # Its two cross products are rounded besides, as those of float32.
-        Variant("raycast-moller-trumbore", lambda side: U64 * side, "2^-53 W px: float64", 4.0),
-        DRIVER,
-    ),
+@hard_case("rays", "distance of the rays from the corners, in pixels", octaves(-1, -49, 2))
+@truth("The triangle to the left of and below each corner; nowhere the background.")
+@source("S. Woop, C. Benthin, I. Wald, Watertight Ray/Triangle Intersection (JCGT 2, 2013)")
+@variants(
+    *in_space(),
+    # Its two cross products are rounded besides, as those of float32.
+    Variant("raycast-moller-trumbore", lambda side: U64 * side, "2^-53 W px: float64", 4.0),
+    DRIVER,
 )
 def vertex_aimed_rays(past: float, side: int) -> Scene:
     """Surround the eye by a crumpled net whose corners lie right of and above samples, seen from the eye.
@@ -49,15 +35,13 @@ def vertex_aimed_rays(past: float, side: int) -> Scene:
 SIDES = 12
 
 
-@hard_case(
-    group="rays",
-    expected="The side of the pyramid in whose direction the ray passes the apex.",
-    source="M. Cyrus, J. Beck, Generalized Two- and Three-Dimensional Clipping (1978); Hill and Kelley, "
-    "convex polyhedra",
-    parameter="distance of rays from the apex, in pixels",
-    sweep=powers_of_two(-2, -36, 2),
-    variants=(*in_space(4.0), DRIVER),
+@hard_case("rays", "distance of rays from the apex, in pixels", octaves(-2, -36, 2))
+@truth("The side of the pyramid in whose direction the ray passes the apex.")
+@source(
+    "M. Cyrus, J. Beck, Generalized Two- and Three-Dimensional Clipping (1978); Hill and Kelley, "
+    "convex polyhedra"
 )
+@variants(*in_space(4.0), DRIVER)
 def apex_of_half_spaces(past: float, side: int) -> Scene:
     """Point pyramids at samples, or ever closer past them.
 
@@ -84,17 +68,13 @@ WIDTH = 64
 """Samples of a picture: its columns have directions of up to six bits, some of whose reciprocals round up."""
 
 
-@hard_case(
-    group="rays",
-    expected="A panel in every column from the first seam to the last.",
-    source="T. Ize, Robust BVH Ray Traversal (JCGT 2, 2013)",
-    parameter="distance of rays from the seam, in pixels",
-    sweep=(*powers_of_two(-2, -50, 3), 0.0),
-    size=lambda *_: (WIDTH, WIDTH),
-    variants=(
-        Variant("raycast-naive-slabs", 0.5 * U64 * WIDTH, "2^-54 W px: one rounding, W / 2 from the middle"),
-        Variant("raycast-single", None, "its slabs are padded by two units in the last place"),
-    ),
+@hard_case("rays", "distance of rays from the seam, in pixels", (*octaves(-2, -50, 3), 0.0))
+@also(size=lambda *_: (WIDTH, WIDTH))
+@truth("A panel in every column from the first seam to the last.")
+@source("T. Ize, Robust BVH Ray Traversal (JCGT 2, 2013)")
+@variants(
+    Variant("raycast-naive-slabs", 0.5 * U64 * WIDTH, "2^-54 W px: one rounding, W / 2 from the middle"),
+    Variant("raycast-single", None, "its slabs are padded by two units in the last place"),
 )
 def box_grazing(past: float, _: int) -> Scene:
     """Hang panels side by side, each at a depth of its own; they meet so far left of columns of samples.
@@ -113,20 +93,16 @@ def box_grazing(past: float, _: int) -> Scene:
     return scene_of(central(0.5), *panels)
 
 
-@hard_case(
-    group="rays",
-    expected="A panel in every column from the first seam to the last.",
-    source="A. Williams et al., An Efficient and Robust Ray-Box Intersection Algorithm (2005); T. Barnes, "
-    "Fast, Branchless Ray/Bounding Box Intersections (2015)",
-    parameter="distance of rays from the sides, in pixels",
-    sweep=(*powers_of_two(-2, -44, 3), 0.0),
-    variants=(
-        Variant("minimum of NaN", 0.0, "0: 0 times infinity is NaN, and no hit", mistake=naive_boxes),
-        Variant(
-            "raycast-naive-slabs", None, "its order of operands is right for +0, and no direction has -0"
-        ),
-        Variant("raycast-single", None, "a ray within a side is inside"),
-    ),
+@hard_case("rays", "distance of rays from the sides, in pixels", (*octaves(-2, -44, 3), 0.0))
+@truth("A panel in every column from the first seam to the last.")
+@source(
+    "A. Williams et al., An Efficient and Robust Ray-Box Intersection Algorithm (2005); T. Barnes, "
+    "Fast, Branchless Ray/Bounding Box Intersections (2015)"
+)
+@variants(
+    Variant("minimum of NaN", 0.0, "0: 0 times infinity is NaN, and no hit", mistake=naive_boxes),
+    Variant("raycast-naive-slabs", None, "its order of operands is right for +0, and no direction has -0"),
+    Variant("raycast-single", None, "a ray within a side is inside"),
 )
 def slab_degeneracies(past: float, side: int) -> Scene:
     """Hang panels before a wall; they meet so far left of columns of samples.
@@ -135,8 +111,6 @@ def slab_degeneracies(past: float, side: int) -> Scene:
     multiplies 0 by infinity, and what becomes of the NaN depends on the order of operands and on the sign of
     the zero. No order is right for all: the case needs a rule of its own.
     """
-    panels = []
-    for column in range(3, side - 4, 4):
-        left, right = (c + 0.5 - past - 0.5 * side for c in (column, column + 4))
-        panels.append(panel((left, right), (-side, side), 1.0))
+    left = np.arange(3.0, side - 4, 4) + 0.5 - past - 0.5 * side
+    panels = [panel((x, x + 4.0), (-side, side), 1.0) for x in left.tolist()]
     return scene_of(parallel(side), *panels, wall(1.5, side))

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from hsr.lab.stability.building import central, closed_fan, mesh, powers_of_two, rectangle, scene_of, wall
-from hsr.lab.stability.family import Variant, hard_case
-from hsr.mistakes.renderers import Buffer
+from hsr.lab.stability.building import central, closed_fan, mesh, rectangle, scene_of, wall
+from hsr.lab.stability.family import FOLEY, Variant, buffer, hard_case, octaves, source, truth, variants
 from hsr.scene.model import Scene
 
+BEHIND = (-2.0, -1.0, -0.5, -0.25, -0.125, -0.0625, 0.0, 0.0625, 0.125, 0.25, 0.5, 1.0, 2.0)
 
-@hard_case(
-    group="coverage",
-    expected="The part of each triangle that lies before the near plane.",
-    source="M. Olano, T. Greer, Triangle Scan Conversion Using 2D Homogeneous Coordinates (1997)",
-    parameter="distance of the corner behind the plane of the eye",
-    sweep=(-2.0, -1.0, -0.5, -0.25, -0.125, -0.0625, 0.0, 0.0625, 0.125, 0.25, 0.5, 1.0, 2.0),
-    variants=(
-        Variant("no clipping", 0.0, "0: the divide by w < 0 mirrors the corner", mistake=Buffer()),
-        Variant("scanline-direct", None, "clipped before the divide"),
+
+@hard_case("coverage", "distance of the corner behind the plane of the eye", BEHIND)
+@truth("The part of each triangle that lies before the near plane.")
+@source("M. Olano, T. Greer, Triangle Scan Conversion Using 2D Homogeneous Coordinates (1997)")
+@variants(
+    buffer(
+        "no clipping",
+        0.0,
+        "0: the divide by w < 0 mirrors the corner",
     ),
+    Variant("scanline-direct", None, "clipped before the divide"),
 )
 def behind_the_eye(behind: float, _: int) -> Scene:
     """Let six triangles before a wall share a corner that lies so far behind the plane of the eye.
@@ -34,23 +35,14 @@ def behind_the_eye(behind: float, _: int) -> Scene:
     return scene_of(central(2.0**-6, None), star, wall(8.0, 16.0))
 
 
-@hard_case(
-    group="rays",
-    expected="The left panel; the right one only where it touches the near plane.",
-    source="J. Foley, A. van Dam, S. Feiner, J. Hughes, Computer Graphics: Principles and Practice, 6.5: the "
-    "view volume is closed",
-    parameter="distance from the near plane, over the near distance",
-    sweep=(*powers_of_two(-2, -50, 2), 0.0),
-    variants=(
-        Variant(
-            "float32 corners", 2.0**-25, "2^-25: half the spacing below 1", mistake=Buffer(real=np.float32)
-        ),
-        Variant("opengl", 2.0**-25, "2^-25: half the spacing below 1"),
-        Variant("embree", 2.0**-25, "2^-25: half the spacing below 1"),
-        Variant(
-            "after near", 0.0, "0: near < depth in place of near <= depth", mistake=Buffer(after_near=True)
-        ),
-    ),
+@hard_case("rays", "distance from the near plane, over the near distance", (*octaves(-2, -50, 2), 0.0))
+@truth("The left panel; the right one only where it touches the near plane.")
+@source(f"{FOLEY}, 6.5: the view volume is closed")
+@variants(
+    buffer("float32 corners", 2.0**-25, "2^-25: half the spacing below 1", real=np.float32),
+    Variant("opengl", 2.0**-25, "2^-25: half the spacing below 1"),
+    Variant("embree", 2.0**-25, "2^-25: half the spacing below 1"),
+    buffer("after near", 0.0, "0: near < depth in place of near <= depth", after_near=True),
 )
 def eye_on_surface(off: float, _: int) -> Scene:
     """Put the left of two panels behind the near plane, the right one before it, both before a wall.

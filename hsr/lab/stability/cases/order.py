@@ -6,8 +6,17 @@ from collections.abc import Callable
 
 import numpy as np
 
-from hsr.lab.stability.building import loose, parallel, powers_of_two, quads, scene_of
-from hsr.lab.stability.family import Variant, another_choice, hard_case
+from hsr.lab.stability.building import loose, parallel, quads, scene_of
+from hsr.lab.stability.family import (
+    Variant,
+    also,
+    another_choice,
+    hard_case,
+    octaves,
+    source,
+    truth,
+    variants,
+)
 from hsr.scene.model import Scene
 
 
@@ -16,18 +25,14 @@ def tilt_of(bits: int) -> Callable[[int], float]:
     return lambda side: 2.0**-bits / (0.6 * side)
 
 
-@hard_case(
-    group="order",
-    expected="A pinwheel: turned by a quarter it is the same, with the bars renamed.",
-    source="M. Newell, R. Newell, T. Sancha, A Solution to the Hidden Surface Problem (1972)",
-    parameter="tilt of the bars, in depth ranges a pixel",
-    sweep=powers_of_two(-7, -33, 2),
-    variants=(
-        Variant("painter", 2.0**-7, "always: there is no order"),
-        Variant("scanline-d16", tilt_of(16), "2^-16 / (0.6 W)"),
-        Variant("scanline-d24", tilt_of(24), "2^-24 / (0.6 W)"),
-        Variant("opengl", tilt_of(24), "2^-24 / (0.6 W), as D24"),
-    ),
+@hard_case("order", "tilt of the bars, in depth ranges a pixel", octaves(-7, -33, 2))
+@truth("A pinwheel: turned by a quarter it is the same, with the bars renamed.")
+@source("M. Newell, R. Newell, T. Sancha, A Solution to the Hidden Surface Problem (1972)")
+@variants(
+    Variant("painter", 2.0**-7, "always: there is no order"),
+    Variant("scanline-d16", tilt_of(16), "2^-16 / (0.6 W)"),
+    Variant("scanline-d24", tilt_of(24), "2^-24 / (0.6 W)"),
+    Variant("opengl", tilt_of(24), "2^-24 / (0.6 W), as D24"),
 )
 def cyclic_overlap(tilt: float, side: int) -> Scene:
     """Lay four bars about the middle; along each depth decreases so much a pixel.
@@ -45,20 +50,17 @@ def cyclic_overlap(tilt: float, side: int) -> Scene:
     return scene_of(parallel(side, 0.0, 1.0), quads(corners))
 
 
-@hard_case(
-    group="order",
-    expected="The plane that comes forward, on either side of the middle.",
-    source="J. Foley, A. van Dam, S. Feiner, J. Hughes, Computer Graphics: Principles and Practice, 15.4 and "
-    "15.5",
-    parameter="slope of each plane, in depth ranges a pixel",
-    sweep=powers_of_two(-7, -32),
-    variants=(
-        Variant("painter", 2.0**-7, "always: no order of two is right"),
-        Variant("scanline-d16", 1.0 / (2.0**16 - 1.0), "q = 1 / (2^16 - 1)"),
-        Variant("scanline-d24", 1.0 / (2.0**24 - 1.0), "q = 1 / (2^24 - 1)"),
-        Variant("scanline-float32-direct", 2.0**-25, "2^-25: spacing of float32 below 1/2"),
-        Variant("opengl", 1.0 / (2.0**24 - 1.0), "q = 1 / (2^24 - 1), after float32"),
-    ),
+@hard_case("order", "slope of each plane, in depth ranges a pixel", octaves(-7, -32))
+@truth("The plane that comes forward, on either side of the middle.")
+@source(
+    "J. Foley, A. van Dam, S. Feiner, J. Hughes, Computer Graphics: Principles and Practice, 15.4 and 15.5"
+)
+@variants(
+    Variant("painter", 2.0**-7, "always: no order of two is right"),
+    Variant("scanline-d16", 1.0 / (2.0**16 - 1.0), "q = 1 / (2^16 - 1)"),
+    Variant("scanline-d24", 1.0 / (2.0**24 - 1.0), "q = 1 / (2^24 - 1)"),
+    Variant("scanline-float32-direct", 2.0**-25, "2^-25: spacing of float32 below 1/2"),
+    Variant("opengl", 1.0 / (2.0**24 - 1.0), "q = 1 / (2^24 - 1), after float32"),
 )
 def interpenetration(slope: float, side: int) -> Scene:
     """Let two planes cross along the middle of the picture, at a depth of 0.4.
@@ -85,18 +87,14 @@ def overlapping(method: str, bits: int) -> Variant:
     return Variant(method, lambda side: 2.0 ** (-bits / 2.0) * side, told, 4.0)
 
 
-@hard_case(
-    group="order",
-    expected="The lowest of the triangles at a sample; counted wrong here is any other choice.",
-    source="D. Hearn, M. P. Baker, Computer Graphics, plane equations; the count is derived from the bits of "
-    "products",
-    parameter="grid of the corners, in pixels",
-    sweep=powers_of_two(0, -38, 2),
-    continuous=False,
-    wrong=another_choice,
-    figure_name="samples with another choice",
-    variants=(overlapping("scanline-float32-direct", 24), overlapping("scanline-direct", 53)),
+@hard_case("order", "grid of the corners, in pixels", octaves(0, -38, 2), continuous=False)
+@also(wrong=another_choice, figure_name="samples with another choice")
+@truth("The lowest of the triangles at a sample; counted wrong here is any other choice.")
+@source(
+    "D. Hearn, M. P. Baker, Computer Graphics, plane equations; the count is derived from the bits of "
+    "products"
 )
+@variants(overlapping("scanline-float32-direct", 24), overlapping("scanline-direct", 53))
 def coplanar_overlap(grid: float, side: int) -> Scene:
     """Lay large triangles over each other in the plane z = -1/2 + (x + 2 y) / (4 W), corners on a grid.
 

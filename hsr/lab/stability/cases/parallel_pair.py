@@ -10,16 +10,9 @@ import numpy as np
 
 from hsr.base.arrays import Bools, Floats
 from hsr.lab.stability import theory
-from hsr.lab.stability.building import central, powers_of_two, quads, scene_of
-from hsr.lab.stability.family import Trial, Variant, hard_case
-from hsr.mistakes.renderers import (
-    Buffer,
-    distance,
-    levels_of_logarithm,
-    levels_of_reversed,
-    minifloat,
-    reversed_through_ndc,
-)
+from hsr.lab.stability.building import central, quads, scene_of
+from hsr.lab.stability.family import Trial, Variant, also, buffer, hard_case, octaves, source, truth, variants
+from hsr.mistakes.renderers import Buffer, distance, levels, logarithm, minifloat, receding, through_ndc
 from hsr.scene.model import Scene
 
 NEAR, FAR = 1.0, 16385.0
@@ -97,50 +90,41 @@ HALF = of(theory.float_reversed, mantissa=10, least=-24)
 FOUR_BITS = of(theory.float_reversed, mantissa=12, least=-18)
 
 
-@hard_case(
-    group="depth",
-    expected="The nearer square of every pair.",
-    source="E. Lapidous, G. Jiao, Optimal Depth Buffer for Low-Cost Graphics Hardware (1999); N. Reed, Depth "
-    "Precision Visualized (2015); J. Blinn, W Pleasure, W Fun (1998)",
-    parameter="distance from the eye, in units of the near distance",
-    sweep=powers_of_two(0, 13),
-    size=lambda *_: (COLUMNS, ROWS),
-    figure=resolution,
-    figure_name="largest separation that is not resolved",
-    marked=CROSSINGS,
-    variants=(
-        scanned("D16", "d16", "q d^2 / near", D16),
-        scanned("D24", "d24", "q d^2 / near", D24),
-        scanned("D32F", "d32f", "2^-24 d^2 / near: that of D24", WINDOW),
-        scanned("D32F reversed", "d32f-reversed", "2^-23 d at most", REVERSED),
-        scanned("W16", "w16", "q (far - near)", of(theory.linear, 16)),
-        scanned("W24", "w24", "q (far - near)", of(theory.linear, 24)),
-        scanned("1/w float32", "1/w", "2^-23 d at most", of(theory.reciprocal)),
-        plain("D16 reversed", levels_of_reversed(16), "that of D16", D16),
-        plain("D32F reversed in [-1, 1]", reversed_through_ndc, "2^-25 d^2 / near", THROUGH_NDC),
-        plain("log, 16 bits", levels_of_logarithm(16), "q d ln(far / near)", of(theory.logarithmic, 16)),
-        plain("half float reversed", minifloat(5, 10), "2^-10 d at most, then 2^-24 d^2 / near", HALF),
-        plain(
-            "16 bits, 4 of them exponent",
-            minifloat(4, 12),
-            "2^-12 d at most, then 2^-18 d^2 / near",
-            FOUR_BITS,
-        ),
-        plain("ray t, float32", distance(np.float32), "2^-23 d at most", spacing),
-        Variant("scanline-direct", None, "float64 resolves 2^-53 d^2 / near: less than any pair is apart"),
-        Variant(
-            "ray t, float64",
-            None,
-            "2^-52 d: less than any pair is apart",
-            mistake=Buffer(stored=distance(np.float64)),
-        ),
-        driven("opengl", "d24", "q d^2 / near", D24),
-        driven("opengl D16", "d16", "q d^2 / near", D16),
-        driven("opengl D32F", "d32f", "2^-24 d^2 / near, or 2^-23 d: float32 corners", WINDOW),
-        driven("opengl D32F reversed", "d32f-reversed", "2^-23 d at most", REVERSED),
-        driven("opengl D32F reversed in [-1, 1]", "d32f-reversed-ndc", "2^-25 d^2 / near", THROUGH_NDC),
-        resolved("embree", "2^-23 d: float32 corners", spacing, excess=2.0),
+@hard_case("depth", "distance from the eye, in units of the near distance", octaves(0, 13))
+@also(size=lambda *_: (COLUMNS, ROWS), marked=CROSSINGS)
+@also(figure=resolution, figure_name="largest separation that is not resolved")
+@truth("The nearer square of every pair.")
+@source(
+    "E. Lapidous, G. Jiao, Optimal Depth Buffer for Low-Cost Graphics Hardware (1999); N. Reed, Depth "
+    "Precision Visualized (2015); J. Blinn, W Pleasure, W Fun (1998)"
+)
+@variants(
+    scanned("D16", "d16", "q d^2 / near", D16),
+    scanned("D24", "d24", "q d^2 / near", D24),
+    scanned("D32F", "d32f", "2^-24 d^2 / near: that of D24", WINDOW),
+    scanned("D32F reversed", "d32f-reversed", "2^-23 d at most", REVERSED),
+    scanned("W16", "w16", "q (far - near)", of(theory.linear, 16)),
+    scanned("W24", "w24", "q (far - near)", of(theory.linear, 24)),
+    scanned("1/w float32", "1/w", "2^-23 d at most", of(theory.reciprocal)),
+    plain("D16 reversed", levels(16, receding), "that of D16", D16),
+    plain("D32F reversed in [-1, 1]", through_ndc, "2^-25 d^2 / near", THROUGH_NDC),
+    plain("log, 16 bits", levels(16, logarithm), "q d ln(far / near)", of(theory.logarithmic, 16)),
+    plain("half float reversed", minifloat(5, 10), "2^-10 d at most, then 2^-24 d^2 / near", HALF),
+    plain(
+        "16 bits, 4 of them exponent",
+        minifloat(4, 12),
+        "2^-12 d at most, then 2^-18 d^2 / near",
+        FOUR_BITS,
     ),
+    plain("ray t, float32", distance(np.float32), "2^-23 d at most", spacing),
+    Variant("scanline-direct", None, "float64 resolves 2^-53 d^2 / near: less than any pair is apart"),
+    buffer("ray t, float64", None, "2^-52 d: less than any pair is apart", stored=distance(np.float64)),
+    driven("opengl", "d24", "q d^2 / near", D24),
+    driven("opengl D16", "d16", "q d^2 / near", D16),
+    driven("opengl D32F", "d32f", "2^-24 d^2 / near, or 2^-23 d: float32 corners", WINDOW),
+    driven("opengl D32F reversed", "d32f-reversed", "2^-23 d at most", REVERSED),
+    driven("opengl D32F reversed in [-1, 1]", "d32f-reversed-ndc", "2^-25 d^2 / near", THROUGH_NDC),
+    resolved("embree", "2^-23 d: float32 corners", spacing, excess=2.0),
 )
 def parallel_pair(at: float, _: int) -> Scene:
     """Put a pair at every sample, the farther square first; each row lies a little farther away.

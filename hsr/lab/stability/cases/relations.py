@@ -9,7 +9,7 @@ import numpy as np
 
 from hsr.base.arrays import Array, Bools, Floats, Ints
 from hsr.lab.stability.building import mesh, parallel, scene_of
-from hsr.lab.stability.family import Trial, Variant, hard_case
+from hsr.lab.stability.family import OPENGL, Trial, Variant, also, hard_case, source, truth, variants
 from hsr.scene.model import Scene
 
 Soup = tuple[Floats, Ints]
@@ -67,22 +67,15 @@ def changed(trial: Trial) -> Bools:
     return differs
 
 
-@hard_case(
-    group="relations",
-    expected="The same picture, moved or mirrored as the scene was.",
-    source="T. Chen, S. Cheung, S. Yiu, Metamorphic Testing (1998); The OpenGL Graphics System, appendix on "
-    "invariance",
-    parameter="number of the change",
-    sweep=tuple(float(k + 1) for k in range(len(CHANGES))),
-    continuous=False,
-    wrong=changed,
-    figure_name="samples that change",
-    variants=(
-        Variant("backface", 2.0, "2: what is painted last stays", 1.0),
-        Variant("painter", 7.0, "7: halves have farthest corners of their own", 1.0),
-        Variant("scanline-snap-4", 7.0, "7: the new corner is snapped by itself", 1.0),
-        Variant("scanline-direct", None, "its rounding is far from deciding here"),
-    ),
+@hard_case("relations", "number of the change", (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0), continuous=False)
+@also(wrong=changed, figure_name="samples that change")
+@truth("The same picture, moved or mirrored as the scene was.")
+@source(f"T. Chen, S. Cheung, S. Yiu, Metamorphic Testing (1998); {OPENGL}, appendix on invariance")
+@variants(
+    Variant("backface", 2.0, "2: what is painted last stays", 1.0),
+    Variant("painter", 7.0, "7: halves have farthest corners of their own", 1.0),
+    Variant("scanline-snap-4", 7.0, "7: the new corner is snapped by itself", 1.0),
+    Variant("scanline-direct", None, "its rounding is far from deciding here"),
 )
 def relations(number: float, side: int) -> Scene:
     """Change the soup; 0 leaves it as it is.

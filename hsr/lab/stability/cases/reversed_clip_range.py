@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from hsr.lab.stability import theory
-from hsr.lab.stability.building import central, powers_of_two, quads, scene_of
-from hsr.lab.stability.family import Variant, hard_case
-from hsr.mistakes.renderers import Buffer, reversed_through_ndc
+from hsr.lab.stability.building import central, quads, scene_of
+from hsr.lab.stability.family import Variant, buffer, hard_case, octaves, source, truth, variants
+from hsr.mistakes.renderers import through_ndc
 from hsr.scene.model import Scene
 
 NEAR, FAR, DEPTH = 1.0, 65537.0, 1000.0
@@ -21,46 +19,23 @@ THROUGH_NDC = theory.reversed_through_ndc(DEPTH, NEAR, FAR) / DEPTH
 """What each format resolves, over the distance."""
 
 
-def kept(name: str, breaks: float, because: str, method: str, **options: Any) -> Variant:
+def kept(name: str, breaks: float, because: str, method: str, depth_format: str) -> Variant:
     """Return a method with a depth format of its own."""
-    return Variant(name, breaks, because, method=method, options=options)
+    return Variant(name, breaks, because, method=method, options={"depth_format": depth_format})
 
 
-@hard_case(
-    group="depth",
-    expected="The nearer strip of every pair.",
-    source="N. Reed, Depth Precision Visualized (2015); OpenGL extension ARB_clip_control",
-    parameter="separation over distance, at 1000 times the near distance",
-    sweep=powers_of_two(-2, -28, 2),
-    variants=(
-        kept("D16", D16, "q d / near", "scanline-d16"),
-        kept("D24", D24, "q d / near", "scanline-d24"),
-        kept("D32F", D32F, "2^-24 d / near", "scanline-direct", depth_format="d32f"),
-        kept(
-            "D32F reversed in [0, 1]", REVERSED, "2^-23 at most", "scanline-d32f-reversed", stepping="direct"
-        ),
-        Variant(
-            "D32F reversed in [-1, 1]",
-            THROUGH_NDC,
-            "2^-25 d / near",
-            mistake=Buffer(stored=reversed_through_ndc),
-        ),
-        Variant("opengl", D24, "q d / near, as D24"),
-        kept(
-            "opengl D32F reversed in [0, 1]",
-            REVERSED,
-            "2^-23 at most",
-            "opengl",
-            depth_format="d32f-reversed",
-        ),
-        kept(
-            "opengl D32F reversed in [-1, 1]",
-            THROUGH_NDC,
-            "2^-25 d / near",
-            "opengl",
-            depth_format="d32f-reversed-ndc",
-        ),
-    ),
+@hard_case("depth", "separation over distance, at 1000 times the near distance", octaves(-2, -28, 2))
+@truth("The nearer strip of every pair.")
+@source("N. Reed, Depth Precision Visualized (2015); OpenGL extension ARB_clip_control")
+@variants(
+    Variant("D16", D16, "q d / near", method="scanline-d16"),
+    Variant("D24", D24, "q d / near", method="scanline-d24"),
+    kept("D32F", D32F, "2^-24 d / near", "scanline-direct", "d32f"),
+    kept("D32F reversed in [0, 1]", REVERSED, "2^-23 at most", "scanline-direct", "d32f-reversed"),
+    buffer("D32F reversed in [-1, 1]", THROUGH_NDC, "2^-25 d / near", stored=through_ndc),
+    Variant("opengl", D24, "q d / near, as D24"),
+    kept("opengl D32F reversed in [0, 1]", REVERSED, "2^-23 at most", "opengl", "d32f-reversed"),
+    kept("opengl D32F reversed in [-1, 1]", THROUGH_NDC, "2^-25 d / near", "opengl", "d32f-reversed-ndc"),
 )
 def reversed_clip_range(part: float, _: int) -> Scene:
     """Hang eight pairs of strips side by side, the farther first, each pair a little nearer than the last.

@@ -15,37 +15,30 @@ from hsr.lab.stability.building import (
     mesh,
     net,
     parallel,
-    powers_of_two,
     rectangle,
     samples,
     scene_of,
     seen,
     wall,
 )
-from hsr.lab.stability.family import Variant, hard_case
+from hsr.lab.stability.family import FOLEY, OPENGL, buffer, hard_case, octaves, source, truth, variants
 from hsr.lab.stability.rounding import in_space, on_screen, snapped
-from hsr.mistakes.renderers import Buffer
 from hsr.scene.model import Scene
 
 EPSILON = 2.0**-17
 
 
-@hard_case(
-    group="coverage",
-    expected="The triangle to the left of and below each corner.",
-    source="J. Foley, A. van Dam, S. Feiner, J. Hughes, Computer Graphics: Principles and Practice, 3.6: who "
-    "owns the pixels on an edge",
-    parameter="distance of corners from samples, in pixels",
-    sweep=powers_of_two(-1, -43, 2),
-    variants=(
-        *snapped(),
-        on_screen(),
-        Variant(
-            "epsilon",
-            0.5 * EPSILON,
-            "epsilon / 2: level edges are widened by 2^-17 px, and twice as far from samples",
-            mistake=Buffer(epsilon=EPSILON),
-        ),
+@hard_case("coverage", "distance of corners from samples, in pixels", octaves(-1, -43, 2))
+@truth("The triangle to the left of and below each corner.")
+@source(f"{FOLEY}, 3.6: who owns the pixels on an edge")
+@variants(
+    *snapped(),
+    on_screen(),
+    buffer(
+        "epsilon",
+        0.5 * EPSILON,
+        "epsilon / 2: level edges are widened by 2^-17 px, and twice as far from samples",
+        epsilon=EPSILON,
     ),
 )
 def lattice_edges(offset: float, side: int) -> Scene:
@@ -60,15 +53,13 @@ def lattice_edges(offset: float, side: int) -> Scene:
     return scene_of(parallel(side), mesh(flat(corners), triangles))
 
 
-@hard_case(
-    group="coverage",
-    expected="The needle at the samples between its edges, the wall behind elsewhere.",
-    source="J. R. Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric "
-    "Predicates (1997): the error of an orientation test grows with the length of the edges",
-    parameter="height of the needle, in pixels",
-    sweep=powers_of_two(1, -33, 2),
-    variants=(*snapped(2.0), on_screen(), *in_space()),
+@hard_case("coverage", "height of the needle, in pixels", octaves(1, -33, 2))
+@truth("The needle at the samples between its edges, the wall behind elsewhere.")
+@source(
+    "J. R. Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric "
+    "Predicates (1997): the error of an orientation test grows with the length of the edges"
 )
+@variants(*snapped(2.0), on_screen(), *in_space())
 def needle(height: float, side: int) -> Scene:
     """Lay a needle along every fourth line of samples, in front of a wall.
 
@@ -82,14 +73,10 @@ def needle(height: float, side: int) -> Scene:
     return scene_of(parallel(side), loose(flat(corners)), wall(1.5, side))
 
 
-@hard_case(
-    group="coverage",
-    expected="The far wall in the column of samples, the near walls elsewhere.",
-    source="Microsoft, Direct3D 11.3 Functional Specification, 3.4.1: corners are snapped to 8 fraction bits",
-    parameter="width of the gap, in pixels",
-    sweep=powers_of_two(1, -33, 2),
-    variants=(*snapped(2.0), on_screen(2.0)),
-)
+@hard_case("coverage", "width of the gap, in pixels", octaves(1, -33, 2))
+@truth("The far wall in the column of samples, the near walls elsewhere.")
+@source("Microsoft, Direct3D 11.3 Functional Specification, 3.4.1: corners are snapped to 8 fraction bits")
+@variants(*snapped(2.0), on_screen(2.0))
 def needle_gap(width: float, side: int) -> Scene:
     """Leave a gap about a column of samples between two walls, in front of a third.
 
@@ -106,15 +93,10 @@ AROUND = np.array([[3, 1], [1, 3], [-1, 3], [-3, 1], [-3, -1], [-1, -3], [1, -3]
 """The rim about a sample, for a radius of 1."""
 
 
-@hard_case(
-    group="coverage",
-    expected="One of the eight triangles at each such sample, the wall behind everywhere else.",
-    source="The OpenGL Graphics System, 3.6.1: rasterization of polygons, at least 4 bits of sub-pixel "
-    "precision",
-    parameter="radius of the eight triangles, in pixels",
-    sweep=powers_of_two(-1, -33, 2),
-    variants=(*snapped(), on_screen()),
-)
+@hard_case("coverage", "radius of the eight triangles, in pixels", octaves(-1, -33, 2))
+@truth("One of the eight triangles at each such sample, the wall behind everywhere else.")
+@source(f"{OPENGL}, 3.6.1: rasterization of polygons, at least 4 bits of sub-pixel precision")
+@variants(*snapped(), on_screen())
 def micro_triangles(radius: float, side: int) -> Scene:
     """Put eight triangles about every eighth sample, in front of a wall.
 
@@ -133,16 +115,10 @@ ALONG = np.array([3.0, 1.0])
 """Direction of the edges, from sample to sample."""
 
 
-@hard_case(
-    group="coverage",
-    expected="A triangle at every sample of the edge, whichever of those that meet there.",
-    source="The OpenGL Graphics System, appendix on corollaries: no promise holds where edges do not share "
-    "corners",
-    parameter="grid that holds the corners, in pixels",
-    sweep=powers_of_two(-2, -28, 2),
-    continuous=False,
-    variants=(*snapped(), on_screen()),
-)
+@hard_case("coverage", "grid that holds the corners, in pixels", octaves(-2, -28, 2), continuous=False)
+@truth("A triangle at every sample of the edge, whichever of those that meet there.")
+@source(f"{OPENGL}, appendix on corollaries: no promise holds where edges do not share corners")
+@variants(*snapped(), on_screen())
 def t_junction(step: float, side: int) -> Scene:
     """Divide many small squares by an edge on samples, one neighbour having a corner in the middle of it.
 
@@ -163,14 +139,10 @@ def t_junction(step: float, side: int) -> Scene:
     return scene_of(parallel(side), mesh(corners, triangles.reshape(-1, 3)))
 
 
-@hard_case(
-    group="coverage",
-    expected="The triangles at the samples of their tips.",
-    source="The lab's rule of ties: the limit from the right and below",
-    parameter="how far tips reach beyond samples, in pixels",
-    sweep=powers_of_two(-1, -33, 2),
-    variants=(*snapped(), on_screen()),
-)
+@hard_case("coverage", "how far tips reach beyond samples, in pixels", octaves(-1, -33, 2))
+@truth("The triangles at the samples of their tips.")
+@source("The lab's rule of ties: the limit from the right and below")
+@variants(*snapped(), on_screen())
 def vertex_on_edge(beyond: float, side: int) -> Scene:
     """Point triangles from the left at a column of samples, and end a wall behind them at the same column.
 
@@ -186,14 +158,10 @@ def vertex_on_edge(beyond: float, side: int) -> Scene:
     return scene_of(central(0.5), loose(2.0 * seen(tips, side)), behind, wall(4.0, 8.0))
 
 
-@hard_case(
-    group="coverage",
-    expected="The strip along its line of samples, the sheets above and below.",
-    source="Microsoft, Direct3D 11.3 Functional Specification, 3.4.1: culling comes after snapping",
-    parameter="height of the strip, in pixels",
-    sweep=powers_of_two(0, -32, 2),
-    variants=(*snapped(2.0), on_screen(2.0)),
-)
+@hard_case("coverage", "height of the strip, in pixels", octaves(0, -32, 2))
+@truth("The strip along its line of samples, the sheets above and below.")
+@source("Microsoft, Direct3D 11.3 Functional Specification, 3.4.1: culling comes after snapping")
+@variants(*snapped(2.0), on_screen(2.0))
 def fold_over(height: float, side: int) -> Scene:
     """Join two sheets by a strip about a line of samples, its borders zigzags of half its height.
 
@@ -211,14 +179,10 @@ def fold_over(height: float, side: int) -> Scene:
     return scene_of(parallel(side), mesh(corners, grid(4, len(x)), cull="back"))
 
 
-@hard_case(
-    group="coverage",
-    expected="The right face in its column of samples, the front face to the left of it.",
-    source="D. Hearn, M. P. Baker, Computer Graphics, back-face detection",
-    parameter="width of the right face on the screen, in pixels",
-    sweep=powers_of_two(0, -32, 2),
-    variants=(*snapped(2.0), on_screen(2.0)),
-)
+@hard_case("coverage", "width of the right face on the screen, in pixels", octaves(0, -32, 2))
+@truth("The right face in its column of samples, the front face to the left of it.")
+@source("D. Hearn, M. P. Baker, Computer Graphics, back-face detection")
+@variants(*snapped(2.0), on_screen(2.0))
 def edge_on_cube(width: float, side: int) -> Scene:
     """Turn a cube about the y axis until its right face is so many pixels wide; samples lie within it.
 
@@ -247,15 +211,10 @@ def edge_on_cube(width: float, side: int) -> Scene:
 DIRECTIONS = ((4, 1), (1, 3), (-2, 3), (-3, 1), (-3, -2), (-1, -4), (1, -3), (3, -2))
 
 
-@hard_case(
-    group="order",
-    expected="The wedge at the samples of its middle line, the wall elsewhere.",
-    source="M. Attene, Indirect Predicates for Geometric Constructions (2020): do not round what is "
-    "constructed",
-    parameter="width of the wedges at their ends, in pixels",
-    sweep=powers_of_two(-3, -31, 2),
-    variants=(*snapped(2.0), on_screen(8.0)),
-)
+@hard_case("order", "width of the wedges at their ends, in pixels", octaves(-3, -31, 2))
+@truth("The wedge at the samples of its middle line, the wall elsewhere.")
+@source("M. Attene, Indirect Predicates for Geometric Constructions (2020): do not round what is constructed")
+@variants(*snapped(2.0), on_screen(8.0))
 def concurrent_edges(width: float, side: int) -> Scene:
     """Point wedges, so wide at their ends, at one sample, each about a line of samples and at its depth.
 

@@ -6,10 +6,9 @@ import math
 
 import numpy as np
 
-from hsr.lab.stability.building import loose, parallel, powers_of_two, quads, scene_of
-from hsr.lab.stability.family import Variant, hard_case
+from hsr.lab.stability.building import loose, parallel, quads, scene_of
+from hsr.lab.stability.family import Variant, also, buffer, hard_case, octaves, source, truth, variants
 from hsr.lab.stability.theory import U32
-from hsr.mistakes.renderers import Buffer
 from hsr.scene.model import Scene
 
 WIDTH, EDGES = 64, 15
@@ -24,18 +23,13 @@ def first_drift() -> float:
     return math.sqrt(4.0 / (EDGES * U32 * WIDTH))
 
 
-@hard_case(
-    group="coverage",
-    expected="The strip whose edges lie on either side of the sample.",
-    source="D. Hearn, M. P. Baker, Computer Graphics, scan-line polygon fill: x' = x + 1/m",
-    parameter="height of the picture, in samples",
-    sweep=powers_of_two(3, 12),
-    continuous=False,
-    size=lambda height, _: (WIDTH, int(height)),
-    variants=(
-        Variant("scanline-float32", first_drift(), "H = sqrt(4 2^24 / (E W)): drift of W 2^-26 a line"),
-        Variant("scanline", None, "float64: 2^14.5 times as high"),
-    ),
+@hard_case("coverage", "height of the picture, in samples", octaves(3, 12), continuous=False)
+@also(size=lambda height, _: (WIDTH, int(height)))
+@truth("The strip whose edges lie on either side of the sample.")
+@source("D. Hearn, M. P. Baker, Computer Graphics, scan-line polygon fill: x' = x + 1/m")
+@variants(
+    Variant("scanline-float32", first_drift(), "H = sqrt(4 2^24 / (E W)): drift of W 2^-26 a line"),
+    Variant("scanline", None, "float64: 2^14.5 times as high"),
 )
 def edge_drift(height: float, _: int) -> Scene:
     """Divide the picture into upright strips by edges that are almost vertical.
@@ -65,22 +59,17 @@ def guarded(bits: int) -> Variant:
     return Variant(name, at, "2^g 2 gap", LATE, method="scanline-fixed", options=options)
 
 
-@hard_case(
-    group="depth",
-    expected="The nearer span everywhere.",
-    source="D. Hearn, M. P. Baker, Computer Graphics, depth-buffer method: z' = z - A/C",
-    parameter="length of the spans, in samples",
-    sweep=powers_of_two(3, 14),
-    continuous=False,
-    size=lambda length, _: (int(length), ROWS),
-    variants=(
-        Variant("scanline-float32", 2.0 * GAP, "2 gap: L / 2 steps of drift", LATE),
-        Variant("scanline-float32-direct", None, "3 steps at any length"),
-        guarded(0),
-        guarded(6),
-        Variant("scanline-fixed", None, "12 guard bits: 2^12 2 gap, longer than any picture"),
-        Variant("scanline", None, "2^29 2 gap: float64"),
-    ),
+@hard_case("depth", "length of the spans, in samples", octaves(3, 14), continuous=False)
+@also(size=lambda length, _: (int(length), ROWS))
+@truth("The nearer span everywhere.")
+@source("D. Hearn, M. P. Baker, Computer Graphics, depth-buffer method: z' = z - A/C")
+@variants(
+    Variant("scanline-float32", 2.0 * GAP, "2 gap: L / 2 steps of drift", LATE),
+    Variant("scanline-float32-direct", None, "3 steps at any length"),
+    guarded(0),
+    guarded(6),
+    Variant("scanline-fixed", None, "12 guard bits: 2^12 2 gap, longer than any picture"),
+    Variant("scanline", None, "2^29 2 gap: float64"),
 )
 def long_span(length: float, _: int) -> Scene:
     """Point two triangles along every line of samples, the farther first; depth runs from about 1/2 to 9/10.
@@ -110,25 +99,13 @@ SLOPE = 1.0 / 12.0
 APART = 2.0**-20
 
 
-@hard_case(
-    group="depth",
-    expected="The nearer of two parallel triangles.",
-    source="Derived: 2^-24 |dz/dx| x, the rounding of what depth is at the left end",
-    parameter="distance from the left end, in pixels",
-    sweep=powers_of_two(4, 13),
-    continuous=False,
-    size=lambda away, _: (int(away) + HEIGHT, HEIGHT),
-    variants=(
-        Variant(
-            "anchored",
-            APART * 2.0**24 / SLOPE,
-            "2^24 s / |dz/dx|, for a separation s",
-            mistake=Buffer(anchored=True),
-        ),
-        Variant(
-            "scanline-float32-direct", None, "anchored at the first sample of a span: 2^-24, less than s"
-        ),
-    ),
+@hard_case("depth", "distance from the left end, in pixels", octaves(4, 13), continuous=False)
+@also(size=lambda away, _: (int(away) + HEIGHT, HEIGHT))
+@truth("The nearer of two parallel triangles.")
+@source("Derived: 2^-24 |dz/dx| x, the rounding of what depth is at the left end")
+@variants(
+    buffer("anchored", APART * 2.0**24 / SLOPE, "2^24 s / |dz/dx|, for a separation s", anchored=True),
+    Variant("scanline-float32-direct", None, "anchored at the first sample of a span: 2^-24, less than s"),
 )
 def steep_far_triangle(away: float, _: int) -> Scene:
     """Put a triangle at the right end of a wide picture, and another behind it that comes first.

@@ -4,20 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from hsr.lab.stability.building import (
-    central,
-    crumpled,
-    mesh,
-    moved,
-    net,
-    placed,
-    powers_of_two,
-    scene_of,
-    seen,
-)
-from hsr.lab.stability.family import Variant, hard_case
+from hsr.lab.stability.building import central, crumpled, mesh, moved, net, placed, scene_of, seen
+from hsr.lab.stability.family import SHEWCHUK, Variant, buffer, hard_case, octaves, source, truth, variants
 from hsr.lab.stability.theory import U32
-from hsr.mistakes.renderers import Buffer
 from hsr.scene.model import Scene
 
 PAST = 2.0**-4
@@ -29,19 +18,17 @@ def least_trembling(side: int) -> float:
     return PAST * 2.0 / (side * U32)
 
 
-@hard_case(
-    group="rays",
-    expected="The same net as at the origin.",
-    source="Derived: T 2^-24, half the spacing at T, times W / 2 pixels a unit at depth 1; cf. Embree's "
-    "tests of watertightness far from the origin",
-    parameter="distance from the origin, in scene units",
-    sweep=powers_of_two(2, 26, 2),
-    variants=(
-        Variant("opengl", least_trembling, "2^25 past / W: corners and matrix in float32"),
-        Variant("embree", least_trembling, "2^25 past / W: corners and rays in float32"),
-        Variant("float32 world", least_trembling, "2^25 past / W", mistake=Buffer(real=np.float32)),
-        Variant("raycast-woop-float32", None, "float32 in the frame of the object, which does not move"),
-    ),
+@hard_case("rays", "distance from the origin, in scene units", octaves(2, 26, 2))
+@truth("The same net as at the origin.")
+@source(
+    "Derived: T 2^-24, half the spacing at T, times W / 2 pixels a unit at depth 1; cf. Embree's "
+    "tests of watertightness far from the origin"
+)
+@variants(
+    Variant("opengl", least_trembling, "2^25 past / W: corners and matrix in float32"),
+    Variant("embree", least_trembling, "2^25 past / W: corners and rays in float32"),
+    buffer("float32 world", least_trembling, "2^25 past / W", real=np.float32),
+    Variant("raycast-woop-float32", None, "float32 in the frame of the object, which does not move"),
 )
 def far_from_origin(away: float, side: int) -> Scene:
     """Move a net and the eye before it by the same vector; in object space nothing changes.
@@ -58,29 +45,20 @@ def far_from_origin(away: float, side: int) -> Scene:
 
 NEAR = 2.0**-10
 DEPTHS = (8.0, 2.0, 4.0)
+LOST = "2 near 2^24: the constants of z and w become one number"
 
 
-@hard_case(
-    group="depth",
-    expected="The nearest of three walls, as without the translation.",
-    source="P. Upchurch, M. Desbrun, Tightening the Precision of Perspective Rendering (Journal of Graphics "
-    "Tools 16, 2012)",
-    parameter="distance of eye and scene from the origin, in scene units",
-    sweep=powers_of_two(4, 30, 2),
-    variants=(
-        Variant("opengl", 2.0**25 * NEAR, "2 near 2^24: the constants of z and w become one number"),
-        Variant(
-            "composed",
-            2.0**25 * NEAR,
-            "2 near 2^24: the constants of z and w become one number",
-            mistake=Buffer(real=np.float32, composed=True),
-        ),
-        Variant(
-            "separate",
-            2.0**25,
-            "2^25: float32 no longer tells depths apart that differ by 2",
-            mistake=Buffer(real=np.float32),
-        ),
+@hard_case("depth", "distance of eye and scene from the origin, in scene units", octaves(4, 30, 2))
+@truth("The nearest of three walls, as without the translation.")
+@source(
+    "P. Upchurch, M. Desbrun, Tightening the Precision of Perspective Rendering (Journal of Graphics "
+    "Tools 16, 2012)"
+)
+@variants(
+    Variant("opengl", 2.0**25 * NEAR, LOST),
+    buffer("composed", 2.0**25 * NEAR, LOST, real=np.float32, composed=True),
+    buffer(
+        "separate", 2.0**25, "2^25: float32 no longer tells depths apart that differ by 2", real=np.float32
     ),
 )
 def composed_matrix(away: float, _: int) -> Scene:
@@ -91,30 +69,19 @@ def composed_matrix(away: float, _: int) -> Scene:
     spacing of float32 at T it is gone, z equals w for every depth, and the order is lost. Depth first and
     window depth after it keeps the near distance out of such company.
     """
-    walls = [
-        placed("square", 0.5 * depth, [0.4 * (k - 1) * depth, 0.0, away - depth])
-        for k, depth in enumerate(DEPTHS)
-    ]
+    walls = [placed("square", 0.5 * d, [0.4 * (k - 1) * d, 0.0, away - d]) for k, d in enumerate(DEPTHS)]
     return scene_of(moved(central(NEAR, None), 0.0, 0.0, away), *walls)
 
 
-@hard_case(
-    group="relations",
-    expected="The same picture at every scale.",
-    source="J. R. Shewchuk, Adaptive Precision Floating-Point Arithmetic (1997): exact barring over- and "
-    "underflow",
-    parameter="scale of everything",
-    sweep=powers_of_two(0, 120, 8),
-    continuous=False,
-    variants=(
-        *(
-            Variant(
-                f"raycast-{test}float32", 2.0 ** (128 / 3), "2^(128/3): a product of three lengths overflows"
-            )
-            for test in ("", "moller-trumbore-", "woop-")
-        ),
-        Variant("scanline-direct", None, "float64: 2^340"),
+@hard_case("relations", "scale of everything", octaves(0, 120, 8), continuous=False)
+@truth("The same picture at every scale.")
+@source(f"{SHEWCHUK} (1997): exact barring over- and underflow")
+@variants(
+    *(
+        Variant(f"raycast-{test}float32", 2.0 ** (128 / 3), "2^(128/3): a product of three lengths overflows")
+        for test in ("", "moller-trumbore-", "woop-")
     ),
+    Variant("scanline-direct", None, "float64: 2^340"),
 )
 def scale_by_powers(scale: float, side: int) -> Scene:
     """Scale a crumpled net and a sphere, about the eye, and the near plane with them.

@@ -12,7 +12,7 @@ import numpy as np
 from hsr.base.arrays import Bools, Floats
 from hsr.lab.stability import theory
 from hsr.lab.stability.building import central, loose, scene_of
-from hsr.lab.stability.family import Trial, Variant, hard_case
+from hsr.lab.stability.family import Trial, Variant, also, hard_case, octaves, source, truth, variants
 from hsr.scene.model import Scene
 
 NEAR, FAR, DEPTH = 1.0, 65537.0, 512.0
@@ -63,7 +63,7 @@ def unit_of(bits: int, depth_bits: int, side: int) -> float:
     return max(least(side, triangle, bits, depth_bits) / least(side, triangle) for triangle in found)
 
 
-def buffer(name: str, bits: int, depth_bits: int, because: str, **how: Any) -> Variant:
+def snapped(name: str, bits: int, depth_bits: int, because: str, **how: Any) -> Variant:
     """Return a scan conversion that snaps to so many bits and stores depth in so many."""
     unit = partial(unit_of, bits, depth_bits)
     return Variant(name, lambda side: BEGIN * unit(side), because, safe=unit, **how)
@@ -74,28 +74,28 @@ def snapping(bits: int, depth_bits: int) -> Variant:
     told = "below S_min = sqrt(dz^2 + (sqrt(2) 2^-b p + dz tan a)^2), never at it"
     options = {"depth_format": f"d{depth_bits}", "subpixel_bits": bits}
     name = f"D{depth_bits}, {bits} bits"
-    return buffer(name, bits, depth_bits, told, method="scanline-direct", options=options)
+    return snapped(name, bits, depth_bits, told, method="scanline-direct", options=options)
 
 
 @hard_case(
-    group="depth",
-    expected="The nearer triangle wherever both are met.",
-    source="K. Akeley, J. Su, Minimum Triangle Separation for Correct Z-Buffer Occlusion (2006); the formula "
-    "is derived anew in theory.py",
-    parameter="separation, in units of the least one for D24 with 8 sub-pixel bits",
-    sweep=tuple(64.0 * 2.0 ** (-k / 2) for k in range(31)),
-    wrong=swapped,
-    marked={"S_min of D24 with 8 bits": 1.0},
-    figure=failure_rate,
-    figure_name="part of the samples that show the farther one",
-    variants=(
-        snapping(4, 16),
-        snapping(8, 16),
-        snapping(4, 24),
-        snapping(8, 24),
-        buffer("scanline-d24", 40, 24, "below dz / cos a, never at it"),
-        Variant("opengl", BEGIN, "as D24 with 8 bits; its depths come from unsnapped corners", safe=1.0),
-    ),
+    "depth",
+    "separation, in units of the least one for D24 with 8 sub-pixel bits",
+    octaves(6, -9, 0.5),
+)
+@also(wrong=swapped, marked={"S_min of D24 with 8 bits": 1.0})
+@also(figure=failure_rate, figure_name="part of the samples that show the farther one")
+@truth("The nearer triangle wherever both are met.")
+@source(
+    "K. Akeley, J. Su, Minimum Triangle Separation for Correct Z-Buffer Occlusion (2006); the formula "
+    "is derived anew in theory.py"
+)
+@variants(
+    snapping(4, 16),
+    snapping(8, 16),
+    snapping(4, 24),
+    snapping(8, 24),
+    snapped("scanline-d24", 40, 24, "below dz / cos a, never at it"),
+    Variant("opengl", BEGIN, "as D24 with 8 bits; its depths come from unsnapped corners", safe=1.0),
 )
 def triangle_separation(part: float, side: int) -> Scene:
     """Put pairs of triangles into the picture; the farther, smaller one comes first.
