@@ -5,16 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
+from typer import Argument, Option
 
 from hsr.cli.console import say
 
 
 def accept(
-    decisions: Annotated[Path, typer.Argument(help="File that the page of a test run wrote, .json.")],
-    results: Annotated[Path, typer.Option("--results", help="Folder of the run's results.")] = Path(
-        ".hsr-results"
-    ),
+    decisions: Annotated[Path, Argument(help="File that the page of a test run wrote, .json.")],
+    results: Annotated[Path, Option(help="Folder of the run's results.")] = Path(".hsr-results"),
 ) -> None:
     """Replace baselines of tests as decided in the page of a test run; run it in the project's root."""
     from hsr.testing.accepting import apply

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hsr
 from hsr.cli import options as opt
-from hsr.cli.console import new_table, out, print_json
+from hsr.cli.console import print_json, print_table
 
 
 def algos(as_json: opt.Json = False) -> None:
@@ -13,8 +13,6 @@ def algos(as_json: opt.Json = False) -> None:
     if as_json:
         rows = [{"name": m.name, "about": m.about, "curved": m.curved, "needs": m.needs} for m in known]
         print_json({"hsr": 1, "methods": rows})
-        return
-    table = new_table("method", "curved shapes", "needs", "what it does", right=())
-    for m in known:
-        table.add_row(m.name, "exact" if m.curved else "tessellated", m.needs or "-", m.about)
-    out.print(table)
+    else:
+        cells = [(m.name, "exact" if m.curved else "tessellated", m.needs or "-", m.about) for m in known]
+        print_table(("method", "curved shapes", "needs", "what it does"), cells, right=())

@@ -11,7 +11,7 @@ import sys
 import traceback
 from typing import Annotated
 
-import typer
+from typer import Exit, Option, Typer
 
 from hsr import __version__
 from hsr.base.errors import HsrError, UnavailableError
@@ -19,7 +19,7 @@ from hsr.cli.accept import accept
 from hsr.cli.algos import algos
 from hsr.cli.bench import bench_app
 from hsr.cli.compare import compare
-from hsr.cli.console import err, out
+from hsr.cli.console import err, out, say
 from hsr.cli.diff import diff
 from hsr.cli.doctor import doctor
 from hsr.cli.explain import explain
@@ -31,7 +31,7 @@ from hsr.cli.scene import scene_app
 from hsr.cli.shrink import shrink
 from hsr.cli.stability import stability_app
 
-app = typer.Typer(
+app = Typer(
     help="Which surface does the eye see at each pixel? Every classic method, compared sample by sample.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
@@ -58,21 +58,19 @@ def main() -> None:
 
 
 def _fail(text: str, code: int) -> None:
-    for line in text.splitlines():
-        err.print(f"hsr: {line}", markup=False, soft_wrap=True)
+    say(*(f"hsr: {line}" for line in text.splitlines()), to=err)
     sys.exit(code)
 
 
 def _version(wanted: bool) -> None:
     if wanted:
         out.print(f"hsr {__version__}")
-        raise typer.Exit
+        raise Exit
+
+
+Version = Annotated[bool, Option("--version", callback=_version, is_eager=True, help="Print the version.")]
 
 
 @app.callback()
-def _options(
-    version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
-    ] = False,
-) -> None:
+def _options(version: Version = False) -> None:
     pass

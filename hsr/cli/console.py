@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from rich.console import Console, JustifyMethod
+from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 PIPED_WIDTH = 120
@@ -21,20 +22,25 @@ out = Console(highlight=False, width=None if sys.stdout.isatty() else PIPED_WIDT
 err = Console(stderr=True, highlight=False)
 
 
-def new_table(*columns: str, title: str | None = None, right: Sequence[str] | None = None) -> Table:
-    """Return a plain table; all columns but the first are numbers unless ``right`` names them."""
-    table = Table(title=title, box=None, pad_edge=False, title_justify="left")
-    numbers = columns[1:] if right is None else right
-    for column in columns:
-        side: JustifyMethod = "right" if column in numbers else "left"
-        table.add_column(column, justify=side, no_wrap=column in columns[:2])
-    return table
+def print_table(
+    head: Sequence[str], rows: Iterable[Sequence[str]], right: Collection[str] | None = None, title: str = ""
+) -> None:
+    """Print a plain table; all columns but the first are numbers unless ``right`` names them."""
+    table = Table(title=escape(title) or None, box=None, pad_edge=False, title_justify="left")
+    numbers = head[1:] if right is None else right
+    for column in head:
+        table.add_column(
+            escape(column), justify="right" if column in numbers else "left", no_wrap=column in head[:2]
+        )
+    for cells in rows:
+        table.add_row(*map(escape, cells), style=None if cells[0] else "dim")
+    out.print(table)
 
 
-def say(*lines: str) -> None:
+def say(*lines: str, to: Console = out) -> None:
     """Print lines as they are: never wrapped, nothing in them taken for markup."""
     for line in lines:
-        out.print(line, markup=False, soft_wrap=True)
+        to.print(line, markup=False, soft_wrap=True)
 
 
 def print_json(value: Any) -> None:

@@ -9,7 +9,6 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import hsr
@@ -18,9 +17,8 @@ from hsr.cli import options as opt
 from hsr.cli.console import tell
 
 PACKAGES = (
-    "hsr-lab",
-    *("numpy", "numba", "scipy", "python-flint"),
-    *("moderngl", "glcontext", "trimesh", "matplotlib", "pydantic"),
+    *("hsr-lab", "numpy", "numba", "scipy", "python-flint", "moderngl", "glcontext"),
+    *("trimesh", "matplotlib", "pydantic"),
 )
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
@@ -59,21 +57,23 @@ def diagnose() -> dict[str, Any]:
     """
     from numba import get_num_threads
 
+    from hsr.lab.machine import version_of
+
     found = {
         "hsr": 1,
         "python": platform.python_version(),
         "platform": platform.platform(),
-        "packages": {name: _version(name) for name in PACKAGES},
+        "packages": {name: version_of(name) for name in PACKAGES},
         "threads": {
             "processors": os.cpu_count(),
             "numba": get_num_threads(),
             "LP_NUM_THREADS": os.environ.get("LP_NUM_THREADS"),
         },
         "opengl": {backend: _probe_apart(backend) for backend in ("osmesa", "egl")},
-        "embree": _version("embreex"),
+        "embree": version_of("embreex"),
         "browser": next(filter(None, map(shutil.which, BROWSERS)), None),
     }
-    return found | {"advice": _advice(found)}
+    return found | {"advice": list(_advice(found))}
 
 
 def lines(found: dict[str, Any]) -> Iterator[str]:
@@ -151,22 +151,13 @@ def _probe_apart(backend: str) -> dict[str, Any]:
 # ---------------------------------------------------------------- the rest
 
 
-def _version(package: str) -> str | None:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return None
-
-
-def _advice(found: dict[str, Any]) -> list[str]:
-    advice = []
+def _advice(found: dict[str, Any]) -> Iterator[str]:
     if not any(state["draws"] for state in found["opengl"].values()):
-        advice.append(_opengl_advice())
+        yield _opengl_advice()
     if not found["embree"]:
-        advice.append("for Embree: pip install 'hsr-lab[embree]'")
+        yield "for Embree: pip install 'hsr-lab[embree]'"
     if not found["browser"]:
-        advice.append(f"for the tests of the report: {INSTALL} chromium")
-    return advice
+        yield f"for the tests of the report: {INSTALL} chromium"
 
 
 def _opengl_advice() -> str:

@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
-import typer
+from typer import Option
 
 import hsr
 from hsr.base.errors import UnavailableError
@@ -19,7 +19,7 @@ def explain(
     scene: opt.SceneFile,
     sample: opt.Sample,
     method: opt.Methods = None,
-    map: Annotated[list[Path] | None, typer.Option("--map", help="Map to explain, .npz, repeatable.")] = None,
+    map: Annotated[list[Path] | None, Option(help="Map to explain, .npz, repeatable.")] = None,
     size: opt.Size = "512x512",
     camera: opt.CameraName = None,
     as_json: opt.Json = False,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
+from typer import Argument, Option
 
 import hsr
 from hsr.base.errors import HsrError
@@ -15,12 +15,10 @@ from hsr.cli.console import progress, say
 
 
 def gallery(
-    scenes: Annotated[list[Path], typer.Argument(help="Scene files.")],
+    scenes: Annotated[list[Path], Argument(help="Scene files.")],
     output: Annotated[Path, opt.output("Folder to write.")],
     size: opt.Size = "256x256",
-    turn: Annotated[
-        list[str] | None, typer.Option("--turn", help="Scene, by its name, to show turning; repeatable.")
-    ] = None,
+    turn: Annotated[opt.Texts, Option(help="Scene, by its name, to show turning; repeatable.")] = None,
     quiet: opt.Quiet = False,
 ) -> None:
     """Write a page of scenes: what each looks like, what it shows, which methods are right on it."""

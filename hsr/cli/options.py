@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
+from typer import Argument, BadParameter, Option
 from typer.core import TyperGroup
 
 import hsr
@@ -20,20 +20,25 @@ DIFFERS, USAGE, MISSING, MISTAKE = 1, 2, 3, 70
 
 def output(about: str, **more: Any) -> Any:
     """Return the option of where to write."""
-    return typer.Option("--output", "-o", help=about, **more)
+    return Option("--output", "-o", help=about, **more)
 
 
-Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes.")]
-Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Also print work counts and clusters.")]
-Methods = Annotated[
-    list[str] | None, typer.Option("--method", "-a", help="Method, repeatable; 'hsr algos' lists them.")
-]
-Size = Annotated[str, typer.Option("--size", help="Image size in pixels, WxH or N.")]
-CameraName = Annotated[str | None, typer.Option("--camera", help="Camera; the scene's first by default.")]
-SceneFile = Annotated[Path, typer.Argument(help="Scene or mesh file.")]
+Text = str | None
+"""Of an option that may be left out."""
+
+Texts = list[str] | None
+"""Of one that may be repeated."""
+
+Json = Annotated[bool, Option("--json", help="Print JSON instead of a table.")]
+Quiet = Annotated[bool, Option("--quiet", "-q", help="No progress, no notes.")]
+Verbose = Annotated[bool, Option("--verbose", "-v", help="Also print work counts and clusters.")]
+Methods = Annotated[Texts, Option("--method", "-a", help="Method, repeatable; 'hsr algos' lists them.")]
+Size = Annotated[str, Option(help="Image size in pixels, WxH or N.")]
+CameraName = Annotated[Text, Option(help="Camera; the scene's first by default.")]
+SceneFiles = Annotated[list[Path], Argument(help="Scenes or mesh files.")]
+SceneFile = Annotated[Path, Argument(help="Scene or mesh file.")]
 SceneOutput = Annotated[Path | None, output("Scene to write, .toml; standard output by default.")]
-Sample = Annotated[str, typer.Argument(metavar="X,Y", help="Column and row, counted from 0 at the top left.")]
+Sample = Annotated[str, Argument(metavar="X,Y", help="Column and row, counted from 0 at the top left.")]
 
 
 class RunByDefault(TyperGroup):
@@ -44,6 +49,18 @@ class RunByDefault(TyperGroup):
         named = args and (args[0] in self.commands or args[0] in ctx.help_option_names)
         parsed: list[str] = super().parse_args(ctx, args if named else ["run", *args])
         return parsed
+
+
+def named(method: Texts) -> list[str]:
+    """Return the methods asked for by their names: none of them by '-a all', and none without -a."""
+    return [] if method in (None, [ALL]) else list(method or ())
+
+
+def names(method: Texts) -> list[str]:
+    """Return the methods that take part."""
+    from hsr.algorithms.registry import default_methods
+
+    return list(hsr.methods()) if method == [ALL] else method or default_methods()
 
 
 def parse_size(text: str) -> tuple[int, int]:
@@ -58,7 +75,7 @@ def parse_size(text: str) -> tuple[int, int]:
     try:
         return int(width), int(height or width)
     except ValueError:
-        raise typer.BadParameter(f"--size {text!r}: write WIDTHxHEIGHT, such as 640x480") from None
+        raise BadParameter(f"--size {text!r}: write WIDTHxHEIGHT, such as 640x480") from None
 
 
 def parse_sample(text: str, view: hsr.View) -> tuple[int, int]:

@@ -6,20 +6,20 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
+from typer import Argument, Option
 
 import hsr
 from hsr.cli import options as opt
-from hsr.cli.console import milliseconds, new_table, out, print_json, progress, say
+from hsr.cli.console import milliseconds, print_json, print_table, progress, say
 
 
 def render(
-    scene: Annotated[Path, typer.Argument(help="Scene (TOML, JSON) or mesh file.")],
+    scene: Annotated[Path, Argument(help="Scene (TOML, JSON) or mesh file.")],
     method: opt.Methods = None,
     size: opt.Size = "512x512",
     camera: opt.CameraName = None,
     output: Annotated[Path | None, opt.output("Write the map, .npz.")] = None,
-    png: Annotated[Path | None, typer.Option("--png", help="Write the shaded picture.")] = None,
+    png: Annotated[Path | None, Option(help="Write the shaded picture.")] = None,
     as_json: opt.Json = False,
     quiet: opt.Quiet = False,
     verbose: opt.Verbose = False,
@@ -52,18 +52,18 @@ def _written(
     view: hsr.View, answer: hsr.VisibilityMap, output: Path | None, png: Path | None, several: bool
 ) -> Iterator[str]:
     """Write what was asked for; of several methods each file carries its method's name."""
-    for path, write in ((output, answer.save), (png, lambda path: _save_picture(answer, view, path))):
+
+    def save_shaded(path: Path) -> None:
+        from hsr.pages.shading import shade
+        from hsr.pictures.png import save_picture
+
+        save_picture(shade(answer, view), path)
+
+    for path, write in ((output, answer.save), (png, save_shaded)):
         if path is not None:
             named = path.with_name(f"{path.stem}.{answer.method}{path.suffix}") if several else path
             write(named)
             yield str(named)
-
-
-def _save_picture(answer: hsr.VisibilityMap, view: hsr.View, path: Path) -> None:
-    from hsr.pages.shading import shade
-    from hsr.pictures.png import save_picture
-
-    save_picture(shade(answer, view), path)
 
 
 def _summary(answer: hsr.VisibilityMap) -> dict[str, Any]:
@@ -82,14 +82,15 @@ def _summary(answer: hsr.VisibilityMap) -> dict[str, Any]:
     }
 
 
+def _cells(row: dict[str, Any]) -> tuple[str, ...]:
+    share = f"{row['covered'] / (row['size'][0] * row['size'][1]):.1%}"
+    nearest = "-" if row["nearest"] is None else f"{row['nearest']:.6g}"
+    return (row["method"], share, f"{row['faces_seen']:,}", nearest, milliseconds(row["seconds"]))
+
+
 def _print(rows: list[dict[str, Any]], verbose: bool) -> None:
     """Print one row a map, and what was written."""
-    table = new_table("method", "covered", "faces seen", "nearest", "render")
-    for row in rows:
-        share = f"{row['covered'] / (row['size'][0] * row['size'][1]):.1%}"
-        nearest = "-" if row["nearest"] is None else f"{row['nearest']:.6g}"
-        table.add_row(row["method"], share, f"{row['faces_seen']:,}", nearest, milliseconds(row["seconds"]))
-    out.print(table)
+    print_table(("method", "covered", "faces seen", "nearest", "render"), map(_cells, rows))
     for row in rows:
         if verbose:
             say(f"{row['method']}: " + ", ".join(f"{name} {count:,}" for name, count in row["work"].items()))

@@ -5,38 +5,34 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
+from typer import Argument, Exit, Option, Typer
 
 from hsr.base.errors import HsrError
 from hsr.base.files import make_folder
-from hsr.cli.console import new_table, out, print_json, progress, say
-from hsr.cli.options import DIFFERS, Json, Quiet, RunByDefault
+from hsr.cli import options as opt
+from hsr.cli.console import print_json, print_table, progress, say
 
 if TYPE_CHECKING:
     from hsr.lab.stability.judge import Result
 
 
-stability_app = typer.Typer(
-    cls=RunByDefault,
+stability_app = Typer(
+    cls=opt.RunByDefault,
     help="Run hard cases: where theory says methods break, and where they do. 'run' need not be named.",
 )
 
 
 @stability_app.command()
 def run(
-    family: Annotated[list[str] | None, typer.Argument(help="Families; all by default.")] = None,
+    family: Annotated[opt.Texts, Argument(help="Families; all by default.")] = None,
     method: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--method", "-a", help="Method or variant, repeatable; those of each family by default."
-        ),
+        opt.Texts,
+        Option("--method", "-a", help="Method or variant, repeatable; those of each family by default."),
     ] = None,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Folder for a page, charts and figures.")
-    ] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Small pictures, short sweeps: a minute.")] = False,
-    as_json: Json = False,
-    quiet: Quiet = False,
+    output: Annotated[Path | None, opt.output("Folder for a page, charts and figures.")] = None,
+    quick: Annotated[bool, Option("--quick", help="Small pictures, short sweeps: a minute.")] = False,
+    as_json: opt.Json = False,
+    quiet: opt.Quiet = False,
 ) -> None:
     """Judge methods on families of hard cases; exit 1 if any row contradicts its theory."""
     from hsr.lab.stability.cases import families, family_named
@@ -63,35 +59,24 @@ def run(
         if output is not None:
             say(f"report: {output / 'index.html'}")
     if any(contradictions(results)):
-        raise typer.Exit(DIFFERS)
+        raise Exit(opt.DIFFERS)
 
 
 def _print_matrix(results: list[Result]) -> None:
-    from hsr.lab.stability.summary import HEADINGS, cells, headline, matrix
+    from hsr.lab.stability.summary import headline, table
 
-    table = new_table(*HEADINGS, right=("wrong", "unexplained of traced", "predicted", "measured"))
-    for result in results:
-        table.add_row(result.family.name)
-        for row in result.rows:
-            variant, *others = cells(row)
-            table.add_row(f"  {variant}", *others)
-    out.print(table)
+    print_table(*table(results))
     skipped = {name: reason for result in results for name, reason in result.skipped.items()}
-    for name, reason in skipped.items():
-        say(f"{name}: {reason}")
-    say(headline(matrix(results)["families"]))
+    say(*(f"{name}: {reason}" for name, reason in skipped.items()))
+    say(headline([result.to_json() for result in results]))
 
 
 @stability_app.command()
 def scene(
-    family: Annotated[str, typer.Argument(help="Family.")],
-    at: Annotated[float, typer.Option("--at", help="Value of its parameter.")],
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Scene to write, .toml; standard output by default.")
-    ] = None,
-    side: Annotated[
-        int, typer.Option("--side", min=8, max=1024, help="Side of the picture, in samples.")
-    ] = 64,
+    family: Annotated[str, Argument(help="Family.")],
+    at: Annotated[float, Option(help="Value of its parameter.")],
+    output: opt.SceneOutput = None,
+    side: Annotated[int, Option(min=8, max=1024, help="Side of the picture, in samples.")] = 64,
 ) -> None:
     """Write the scene of a family at a value of its parameter, for every other command."""
     from hsr.lab.stability.cases import family_named

@@ -50,11 +50,7 @@ def equal_threads() -> int:
 
 def machine() -> Machine:
     """Describe the machine and what the figures were made with."""
-    cpu = _cpu()
-    versions = {"python": platform.python_version()}
-    for package in PACKAGES:
-        with suppress(PackageNotFoundError):
-            versions[package] = version(package)
+    cpu, known = _cpu(), {package: version_of(package) for package in PACKAGES}
     threads = int(thread_count())
     return Machine(
         name=f"{re.sub('[^a-z0-9]+', '-', cpu.lower()).strip('-')}-{threads}",
@@ -62,9 +58,16 @@ def machine() -> Machine:
         processors=os.cpu_count() or 1,
         threads=threads,
         system=platform.platform(),
-        versions=versions,
+        versions={"python": platform.python_version()} | {name: told for name, told in known.items() if told},
         environment={name: os.environ[name] for name in VARIABLES if name in os.environ},
     )
+
+
+def version_of(package: str) -> str | None:
+    """Return the version of an installed package, None if it is missing."""
+    with suppress(PackageNotFoundError):
+        return version(package)
+    return None
 
 
 def _cpu() -> str:
@@ -79,14 +82,9 @@ def commit() -> str | None:
     """Return the checkout's commit, with ``-dirty`` if files differ from it; None outside a checkout."""
     if not (ROOT / ".git").exists():
         return None
+    describe = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--exclude", "*"]
     with suppress(OSError, subprocess.CalledProcessError):
-        told = subprocess.run(
-            ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--exclude", "*"],
-            capture_output=True,
-            text=True,
-            check=True,
-        )
-        return told.stdout.strip()
+        return subprocess.check_output(describe, text=True, stderr=subprocess.DEVNULL).strip()
     return None
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -12,17 +10,12 @@ from hsr.base.files import write_whole
 from hsr.lab import scaling
 from hsr.lab.metrics import ERROR, METRICS, SPEED, STAGES, Metric, dominators
 from hsr.lab.results import Results, Row, case_title
-from hsr.lab.scaling import growth
+from hsr.lab.scaling import growth, sentences
+from hsr.lab.tables import Table
 from hsr.pictures.charts import Mark, Panel, growth_svg, speed_svg
 
 TABLE: Sequence[Metric] = (*STAGES, ERROR)
 """The figures of a table; all of them are in the CSV file."""
-
-HEAD = ("rank", "method", *(metric.title for metric in TABLE), "why", "dominated by")
-"""The columns of a table."""
-
-RIGHT = ("rank", *(metric.title for metric in TABLE))
-"""Those of them that hold numbers."""
 
 NAMED = 2
 """How many methods a table names that dominate another."""
@@ -46,13 +39,13 @@ def publish(results: Results, folder: str | Path) -> list[Path]:
     HsrError
         If a file cannot be written.
     """
+    make_folder(Path(folder))
     texts = {
         "json": results.to_json(),
         "csv": to_csv(results),
         "md": to_markdown(results),
         "svg": to_svg(results),
     }
-    make_folder(Path(folder))
     files = {Path(folder) / f"{results.stem}.{ending}": text for ending, text in texts.items()}
     for path, text in files.items():  # all texts are there by now: nothing can fail but the disk
         write_whole(path, text, "the results")
@@ -92,30 +85,33 @@ def to_csv(results: Results) -> str:
             ranked = (len(better[row.id]) + 1, " ".join(better[row.id])) if row.id in better else ("", "")
             lines.append([*(getattr(row, name) for name in facts), *figures, why(row), *ranked, row.absent])
     head = [*facts, *(metric.title for metric in METRICS), "why", "rank", "dominated by", "absent"]
-    return as_csv(head, lines)
+    return Table(head, lines).csv()
 
 
-def table(rows: Sequence[Row]) -> list[tuple[str, ...]]:
-    """Return the table of one case: the cells of :data:`HEAD`, the best rank first.
+def table(rows: Sequence[Row]) -> Table:
+    """Return the table of one case, the best rank first.
 
     A row without figures comes last, its reason in the column "why".
     """
-    better = dominators(rows)
+    better, titles = dominators(rows), [metric.title for metric in TABLE]
+    head = ("rank", "method", *titles, "why", "dominated by")
+
+    def cells(row: Row) -> tuple[str, ...]:
+        figures = [metric.text(row) for metric in TABLE]
+        if row.absent:
+            return ("", row.method, *figures, row.absent, "")
+        return (str(len(better[row.id]) + 1), row.method, *figures, why(row), _named(better[row.id]))
+
     ran = sorted(
         (row for row in rows if not row.absent), key=lambda row: (len(better[row.id]), SPEED.of(row))
     )
-    cells = [
-        (
-            str(len(better[row.id]) + 1),
-            row.method,
-            *(metric.text(row) for metric in TABLE),
-            why(row),
-            _named(better[row.id]),
-        )
-        for row in ran
-    ]
-    blank = ("",) * len(TABLE)
-    return [*cells, *(("", row.method, *blank, row.absent, "") for row in rows if row.absent)]
+    absent = [row for row in rows if row.absent]
+    return Table(head, [cells(row) for row in (*ran, *absent)], ("rank", *titles), case_title(rows))
+
+
+def tables(results: Results) -> list[Table]:
+    """Return the table of every case, or the one of how times grow."""
+    return [scaling.table(growth(results))] if results.scaling else list(map(table, results.cases.values()))
 
 
 def _named(methods: Sequence[str]) -> str:
@@ -131,35 +127,19 @@ def why(row: Row) -> str:
 
 def to_markdown(results: Results) -> str:
     """Return the tables of all cases, or of how times grow, with a line on the machine, as Markdown."""
+    told: list[str] = list(map(case_markdown, results.cases.values()))
     if results.scaling:
-        return _growth_markdown(results)
-    return "\n\n".join([conditions(results), *map(case_markdown, results.cases.values())]) + "\n"
+        series = growth(results)
+        told = [
+            "\n".join(f"- {sentence}" for sentence in sentences(series)),
+            scaling.table(series).markdown(),
+        ]
+    return "\n\n".join([conditions(results), *told]) + "\n"
 
 
 def case_markdown(rows: Sequence[Row]) -> str:
     """Return the title and the table of one case as Markdown."""
-    return f"**{case_title(rows)}**\n\n{as_markdown(HEAD, table(rows), RIGHT)}"
-
-
-def _growth_markdown(results: Results) -> str:
-    series = growth(results)
-    lines = "\n".join(f"- {sentence}" for sentence in scaling.sentences(series))
-    told = as_markdown(scaling.HEAD, scaling.table(series), scaling.HEAD[4:])
-    return "\n\n".join([conditions(results), lines, told]) + "\n"
-
-
-def as_markdown(head: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[str]) -> str:
-    """Write a table as Markdown; the columns named in ``right`` are aligned to that side."""
-    rule = "|".join("---:" if name in right else "---" for name in head)
-    lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |" for cells in (head, *rows)]
-    return "\n".join([lines[0], f"|{rule}|", *lines[1:]])
-
-
-def as_csv(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
-    """Write a table as CSV."""
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([head, *rows])
-    return text.getvalue()
+    return f"**{case_title(rows)}**\n\n{table(rows).markdown()}"
 
 
 def conditions(results: Results) -> str:
@@ -175,9 +155,8 @@ def conditions(results: Results) -> str:
     )
     if single and machine.threads > 1:
         text += f" One thread only: {', '.join(single)}."
-    loads = [row.foreign_load for row in results.rows if row.foreign_load is not None]
-    if loads:
-        text += f" Other programs kept up to {max(loads):.2f} processors busy."
+    if results.foreign_load is not None:
+        text += f" Other programs kept up to {results.foreign_load:.2f} processors busy."
     return text
 
 
@@ -191,26 +170,15 @@ def panels(results: Results) -> list[Panel]:
 
 def _panel(rows: Sequence[Row]) -> Panel:
     better = dominators(rows)
-    marks = [
-        Mark(
-            label=row.method,
-            family=row.family,
-            x=float(row.verdict.wrong),
-            y=row.times["render"].median,
-            low=row.times["render"].low,
-            high=row.times["render"].high,
-            frontier=not better[row.id],
-            about="\n".join([row.id, *(f"{name}: {told}" for name, told in _facts(row).items() if told)]),
-        )
-        for row in rows
-        if row.verdict is not None
-    ]
-    notes = [f"{row.method}: {row.absent}" for row in rows if row.absent]
-    return Panel(case_title(rows), marks, notes)
+    marks = [_mark(row, row.verdict.wrong, not better[row.id]) for row in rows if row.verdict is not None]
+    return Panel(case_title(rows), marks, [f"{row.method}: {row.absent}" for row in rows if row.absent])
 
 
-def _facts(row: Row) -> dict[str, str]:
-    return {metric.title: metric.text(row) for metric in METRICS} | {"why": why(row)}
+def _mark(row: Row, wrong: int, frontier: bool) -> Mark:
+    told = {metric.title: metric.text(row) for metric in METRICS} | {"why": why(row)}
+    about = "\n".join([row.id, *(f"{name}: {text}" for name, text in told.items() if text)])
+    time = row.times[SPEED.name]
+    return Mark(row.method, row.family, float(wrong), time.median, time.low, time.high, frontier, about)
 
 
 def to_svg(results: Results) -> str:

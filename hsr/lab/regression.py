@@ -16,11 +16,13 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from hsr.base.errors import HsrError
 from hsr.lab.results import Results, Row
 from hsr.lab.statistics import ratio_band
+from hsr.lab.tables import Table
 
 NOTABLE_LOAD = 0.1
 """Processors kept busy by others from which a person should be told."""
@@ -35,7 +37,6 @@ FAILURES = (WRONG, GONE, OTHER)
 """Verdicts that no comparison lets pass; ``slower`` is one where a limit is set."""
 
 HEAD = ("row", "before [ms]", "after [ms]", "ratio", "noise band", "wrong", "verdict")
-"""The columns of the table of changes."""
 
 
 @dataclass(frozen=True)
@@ -67,13 +68,18 @@ class Change:
     wrong: tuple[int, int] | None = None
 
     def cells(self) -> tuple[str, ...]:
-        """Return the cells of the table: one for each column of :data:`HEAD`."""
+        """Return the cells of the table: one for each column of ``HEAD``."""
         if self.ratio is None or self.wrong is None:
             return (self.row, "", "", "", "", "", self.verdict)
         before, after = self.wrong
         wrong = f"{after:,}" if before == after else f"{before:,} -> {after:,}"
         figures = (f"{figure:.3f}" for figure in (self.before, self.after, self.ratio))
         return (self.row, *figures, f"{self.low:.3f} to {self.high:.3f}", wrong, self.verdict)
+
+
+def table(changes: Sequence[Change], title: str) -> Table:
+    """Return a line a change."""
+    return Table(HEAD, [change.cells() for change in changes], HEAD[1:6], title)
 
 
 def limit_of(text: str) -> float:
@@ -176,7 +182,7 @@ def warnings(before: Results, after: Results) -> list[str]:
             told.append(
                 f"the machines differ: {what} {a} before, {b} after; times may differ for that reason"
             )
-    loads = [row.foreign_load or 0.0 for results in (before, after) for row in results.rows]
-    if max(loads) > NOTABLE_LOAD:
-        told.append(f"other programs kept up to {max(loads):.2f} processors busy: the noise bands are wide")
+    load = max(results.foreign_load or 0.0 for results in (before, after))
+    if load > NOTABLE_LOAD:
+        told.append(f"other programs kept up to {load:.2f} processors busy: the noise bands are wide")
     return told

@@ -174,6 +174,11 @@ class Results(Record):
         return any(row.series for row in self.rows)
 
     @property
+    def foreign_load(self) -> float | None:
+        """Processors that other programs kept busy, of all rows the most; None if none says."""
+        return max((row.foreign_load for row in self.rows if row.foreign_load is not None), default=None)
+
+    @property
     def stem(self) -> str:
         """Name for the files of the run: what was measured, machine and commit."""
         what = "scaling" if self.scaling else "speed"

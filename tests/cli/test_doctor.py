@@ -34,7 +34,7 @@ def machine(monkeypatch: pytest.MonkeyPatch) -> Any:
         states = {"osmesa": osmesa, "egl": egl}
         monkeypatch.delenv("GALLIUM_DRIVER", raising=False)
         monkeypatch.setattr(doctor, "_probe_apart", states.__getitem__)
-        monkeypatch.setattr(doctor, "_version", lambda name: None if name in missing else "1.0")
+        monkeypatch.setattr("hsr.lab.machine.version_of", lambda name: None if name in missing else "1.0")
         monkeypatch.setattr(doctor.shutil, "which", lambda name: None if name in missing else f"/bin/{name}")
         monkeypatch.setattr(doctor, "_apt_knows", lambda name: name not in missing)
         return doctor.diagnose()
@@ -74,7 +74,7 @@ def test_a_driver_asked_for_by_name_is_the_first_suspect(
 ) -> None:
     found = machine()
     monkeypatch.setenv("GALLIUM_DRIVER", "softpipe")
-    assert doctor._advice(found) == ["for OpenGL: unset GALLIUM_DRIVER, which asks for softpipe"]
+    assert list(doctor._advice(found)) == ["for OpenGL: unset GALLIUM_DRIVER, which asks for softpipe"]
 
 
 def test_embree_and_a_browser_are_advised(machine: Any) -> None:

@@ -13,8 +13,6 @@ import pytest
 from hsr.base.errors import HsrError
 from hsr.lab.metrics import METRICS
 from hsr.lab.publish import (
-    HEAD,
-    as_markdown,
     conditions,
     make_folder,
     panels,
@@ -25,6 +23,7 @@ from hsr.lab.publish import (
     to_svg,
 )
 from hsr.lab.results import load_results
+from hsr.lab.tables import Table
 from tests.lab.made_up import results, row
 
 RUN = results(
@@ -35,7 +34,8 @@ RUN = results(
 
 
 def test_the_best_come_first_and_the_absent_last() -> None:
-    lines = [dict(zip(HEAD, cells, strict=True)) for cells in table(RUN.rows)]
+    head, rows, _, _ = table(RUN.rows)
+    lines = [dict(zip(head, cells, strict=True)) for cells in rows]
     assert [(line["rank"], line["method"]) for line in lines] == [
         ("1", "zbuffer"),
         ("2", "opengl"),
@@ -48,7 +48,7 @@ def test_the_best_come_first_and_the_absent_last() -> None:
 
 def test_many_dominators_are_counted() -> None:
     rows = [row(f"m{k}", [0.001 * (k + 1)] * 3) for k in range(5)]
-    assert [cells[-1] for cells in table(rows)] == [
+    assert [cells[-1] for cells in table(rows).rows] == [
         "",
         "m0",
         "m0, m1",
@@ -68,7 +68,7 @@ def test_csv_has_a_line_a_row_and_every_metric() -> None:
 
 
 def test_markdown_tables() -> None:
-    assert as_markdown(("a", "b"), [("x|y", "1")], ("b",)) == "| a | b |\n|---|---:|\n| x\\|y | 1 |"
+    assert Table(("a", "b"), [("x|y", "1")], ("b",)).markdown() == "| a | b |\n|---|---:|\n| x\\|y | 1 |"
     assert "**box, 12 triangles, 64x64**" in to_markdown(RUN)
 
 

@@ -94,7 +94,7 @@ def test_curves_come_from_the_rows() -> None:
     (line,) = found.curves
     assert (line.label, line.x, line.y) == ("zbuffer", [1.0, 4.0, 16.0], [0.001, 0.004, 0.016])
     assert line.theory == pytest.approx(line.y)
-    assert table([found])[0][:5] == ("copies", "zbuffer", "x^1.00 (1.00 to 1.00)", "a + b x", "0%")
+    assert table([found]).rows[0][:5] == ("copies", "zbuffer", "x^1.00 (1.00 to 1.00)", "a + b x", "0%")
     assert sentences([found]) == ["At 16 copies the fastest are zbuffer 0.016 ms."]
 
 

@@ -9,6 +9,7 @@ from typing import Any
 from hsr.algorithms.registry import certified_methods
 from hsr.lab.machine import commit, machine
 from hsr.lab.stability.judge import Result, Row, Verdict
+from hsr.lab.tables import Table
 
 INSTRUCTIVE = (
     ("parallel-pair", "D24"),
@@ -24,15 +25,21 @@ INSTRUCTIVE = (
 )
 """The family and the variant of the ten rows that teach most."""
 
-HEADINGS = ("variant", "wrong", "mostly by", "unexplained of traced", "predicted", "measured", "verdict")
+
+def table(results: Sequence[Result]) -> Table:
+    """Return a line a family, and below it one for everyone who took part."""
+    head = ("variant", "wrong", "mostly by", "unexplained of traced", "predicted", "measured", "verdict")
+    rows: list[tuple[str, ...]] = []
+    for result in results:
+        rows += [(result.family.name,), *map(_cells, result.rows)]
+    return Table(head, rows, ("wrong", "unexplained of traced", "predicted", "measured"))
 
 
-def cells(row: Row) -> tuple[str, ...]:
-    """Return what stands under ``HEADINGS``."""
+def _cells(row: Row) -> tuple[str, ...]:
     mostly = max(row.causes, key=lambda cause: row.causes[cause], default="")
     broken = (number(row.predicted), number(row.measured))
     unexplained = f"{row.unexplained:,} of {row.traced:,}"
-    return (row.variant, f"{row.wrong:,}", mostly, unexplained, *broken, str(row.verdict))
+    return (f"  {row.variant}", f"{row.wrong:,}", mostly, unexplained, *broken, str(row.verdict))
 
 
 def number(value: float | None) -> str:
@@ -74,13 +81,9 @@ def headline(families: Sequence[Mapping[str, Any]]) -> str:
 def matrix(results: Sequence[Result]) -> dict[str, Any]:
     """Return the rows without their points, and what they were made with, as JSON values."""
     families = [result.to_json() for result in results]
-    for family in families:
-        family["rows"] = [
-            {key: value for key, value in row.items() if key not in ("points", "curve")}
-            for row in family["rows"]
-        ]
-    made_with = {"commit": commit(), "versions": machine().versions}
-    return {"hsr": 1, **made_with, "families": families}
+    for row in (row for family in families for row in family["rows"]):
+        del row["points"], row["curve"]
+    return {"hsr": 1, "commit": commit(), "versions": machine().versions, "families": families}
 
 
 def markdown(families: Sequence[Mapping[str, Any]]) -> str:
@@ -94,18 +97,15 @@ def markdown(families: Sequence[Mapping[str, Any]]) -> str:
     found = {
         (family["family"], row["variant"]): (family, row) for family in families for row in family["rows"]
     }
-    table = ["| hard case | variant | what is measured | theory | predicted | measured | certified, wrong |"]
-    table.append("|---|---|---|---|---:|---:|---:|")
-    for family, row in (found[key] for key in INSTRUCTIVE if key in found):
-        certified = sum(other["wrong"] for other in family["rows"] if other["variant"] in certified_methods())
-        broken = (number(row["predicted"]), number(row["measured"]), str(certified))
-        facts = (family["family"], row["variant"], _figure(family, row), f"`{row['because']}`", *broken)
-        table.append(f"| {' | '.join(facts)} |")
-    return "\n".join(table)
+    rows = [_facts(*found[key]) for key in INSTRUCTIVE if key in found]
+    head = ("hard case", "variant", "what is measured", "theory", "predicted", "measured", "certified, wrong")
+    return Table(head, rows, head[4:]).markdown()
 
 
-def _figure(family: Mapping[str, Any], row: Mapping[str, Any]) -> str:
-    """Say what the predicted and the measured figure of a row are."""
-    if row["at"] is None:
-        return f"first wrong face: {family['parameter']}"
-    return f"{family['figure']} ({family['parameter']}: {number(row['at'])})"
+def _facts(family: Mapping[str, Any], row: Mapping[str, Any]) -> tuple[str, ...]:
+    what = f"first wrong face: {family['parameter']}"
+    if row["at"] is not None:
+        what = f"{family['figure']} ({family['parameter']}: {number(row['at'])})"
+    certified = sum(other["wrong"] for other in family["rows"] if other["variant"] in certified_methods())
+    broken = (number(row["predicted"]), number(row["measured"]), str(certified))
+    return (family["family"], row["variant"], what, f"`{row['because']}`", *broken)
