@@ -28,7 +28,9 @@ from hsr.base.arrays import Floats
 from hsr.lab.metrics import SPEED, written
 from hsr.lab.results import Results, Row
 from hsr.lab.speed import Case, make_case
+from hsr.lab.stability.building import placed
 from hsr.lab.statistics import CONFIDENCE
+from hsr.lab.tables import Table
 from hsr.pictures.charts import Curve, Growth
 from hsr.scene.model import Scene
 
@@ -53,8 +55,7 @@ CONSTANTS = 2
 """That a law has at most: through no more points than these it would run whatever they are."""
 
 
-@dataclass(frozen=True)
-class Series:
+class Series(NamedTuple):
     """One thing that grows.
 
     Attributes
@@ -66,7 +67,7 @@ class Series:
     sizes, quick : tuple of int
         How much of it, in a full and in a quick run.
     scene : callable
-        The scene with so much of it.
+        The scene with so much of it; of pixels, with so many triangles.
     """
 
     name: str
@@ -74,18 +75,6 @@ class Series:
     sizes: tuple[int, ...]
     quick: tuple[int, ...]
     scene: Callable[[int], Scene]
-
-    def cases(self, quick: bool) -> list[Case]:
-        """Return the views of the series, the smallest first."""
-        return [
-            self._case(size, QUICK_SIDE if quick else SIDE) for size in (self.quick if quick else self.sizes)
-        ]
-
-    def _case(self, size: int, side: int) -> Case:
-        if self.name == "pixels":
-            side = math.isqrt(size)
-        case = make_case(f"{self.name}-{size}", self.scene(size), (side, side))
-        return replace(case, series=self.name)
 
 
 def size_of(row: Row) -> int:
@@ -97,8 +86,15 @@ def size_of(row: Row) -> int:
 
 
 def measured_cases(quick: bool) -> list[Case]:
-    """Return the cases of all series."""
-    return [case for series in SERIES for case in series.cases(quick)]
+    """Return the cases of all series, of each the smallest first."""
+    return [_case(one, size, quick) for one in SERIES for size in (one.quick if quick else one.sizes)]
+
+
+def _case(series: Series, size: int, quick: bool) -> Case:
+    name, side = f"{series.name}-{size}", QUICK_SIDE if quick else SIDE
+    if series.name == "pixels":
+        size, side = KNOT, math.isqrt(size)
+    return replace(make_case(name, series.scene(size), (side, side)), series=series.name)
 
 
 # ---------------------------------------------------------------- the scenes
@@ -119,15 +115,8 @@ def _knot(triangles: int) -> Scene:
 def _layers(layers: int) -> Scene:
     """Put so many squares behind each other, all larger than the image, in no order."""
     depth = np.random.default_rng(SEED).permutation(layers) / layers
-    squares: list[dict[str, Any]] = [
-        {
-            "name": f"layer {k}",
-            "shape": "square",
-            "transform": [{"scale": 20.0}, {"translate": [0.0, 0.0, -z]}],
-        }
-        for k, z in enumerate(depth.tolist())
-    ]
-    return _seen_from(9.0, *squares)
+    squares = [placed("square", 20.0, [0.0, 0.0, -z]) for z in depth.tolist()]
+    return _seen_from(9.0, *({"name": f"layer {k}", **square} for k, square in enumerate(squares)))
 
 
 def _copies(copies: int) -> Scene:
@@ -136,30 +125,16 @@ def _copies(copies: int) -> Scene:
     return _seen_from(7.0, {"name": "fir", "shape": "fir", "tiers": 2, "sides": 16, "scatter": scatter})
 
 
-def _decades(first: int, last: int, step: float) -> tuple[int, ...]:
-    count = round(math.log10(last / first) / step)
-    return tuple(round(first * 10 ** (step * k)) for k in range(count + 1))
+def _geo(first: int, last: int, count: int) -> tuple[int, ...]:
+    """Return so many sizes in geometric progression."""
+    return tuple(np.rint(np.geomspace(first, last, count)).astype(int).tolist())
 
 
 SERIES = (
-    Series("triangles", "a torus knot", _decades(100, 1_000_000, 0.5), _decades(100, 10_000, 1.0), _knot),
-    Series(
-        "pixels",
-        f"a torus knot of {KNOT:,} triangles",
-        tuple(4**k for k in range(6, 13)),
-        tuple(4**k for k in range(5, 8)),
-        lambda _: _knot(KNOT),
-    ),
-    Series(
-        "layers",
-        "squares behind each other",
-        tuple(2**k for k in range(9)),
-        tuple(4**k for k in range(3)),
-        _layers,
-    ),
-    Series(
-        "copies", "copies of a fir", tuple(4**k for k in range(6)), tuple(4**k for k in range(3)), _copies
-    ),
+    Series("triangles", "a torus knot", _geo(100, 10**6, 9), _geo(100, 10**4, 3), _knot),
+    Series("pixels", f"a torus knot of {KNOT:,} triangles", _geo(4**6, 4**12, 7), _geo(4**5, 4**7, 3), _knot),
+    Series("layers", "squares behind each other", _geo(1, 2**8, 9), _geo(1, 4**2, 3), _layers),
+    Series("copies", "copies of a fir", _geo(1, 4**5, 6), _geo(1, 4**2, 3), _copies),
 )
 
 
@@ -238,19 +213,12 @@ def growth(results: Results) -> list[Growth]:
 
 
 def _curve(rows: Sequence[Row], series: str) -> Curve:
-    x = [float(size_of(row)) for row in rows]
-    times = [row.times[SPEED.name] for row in rows]
-    y = [time.median for time in times]
-    law = law_of(rows[0].method, series)
-    return Curve(
-        label=rows[0].method,
-        family=rows[0].family,
-        x=x,
-        y=y,
-        low=[time.low for time in times],
-        high=[time.high for time in times],
-        theory=fitted(law, x, y) if law is not None and len(x) > CONSTANTS else (),
-    )
+    first, times = rows[0], [row.times[SPEED.name] for row in rows]
+    x, y = [float(size_of(row)) for row in rows], [time.median for time in times]
+    low, high = [time.low for time in times], [time.high for time in times]
+    law = law_of(first.method, series)
+    theory = fitted(law, x, y) if law is not None and len(x) > CONSTANTS else ()
+    return Curve(first.method, first.family, x, y, low, high, theory)
 
 
 # ---------------------------------------------------------------- crossovers
@@ -318,20 +286,20 @@ def _crossing(winner: Curve, loser: Curve) -> Crossover | None:
     x = np.log([winner.x[w] for w, _ in shared])
     lag = np.array([math.log(winner.y[w] / loser.y[k]) for w, k in shared])
     last = int(np.flatnonzero(lag > 0.0)[-1])
-    share = lag[last] / (lag[last] - lag[last + 1])
-    at = math.exp(x[last] + share * (x[last + 1] - x[last]))
-    return Crossover(winner.label, loser.label, at, math.exp(x[last]), math.exp(x[last + 1]))
+    at = np.interp(0.0, -lag[last : last + 2], x[last : last + 2])
+    return Crossover(winner.label, loser.label, *(math.exp(size) for size in (at, x[last], x[last + 1])))
 
 
 # ---------------------------------------------------------------- in words
 
 HEAD = ("series", "method", "grows as", "law", "off by up to", "at the smallest [ms]", "at the largest [ms]")
-"""The columns of the table of growth."""
 
 
-def table(series: Sequence[Growth]) -> list[tuple[str, ...]]:
-    """Return a line a curve, the cells of :data:`HEAD`."""
-    return [_line(one, curve) for one in series for curve in one.curves]
+def table(series: Sequence[Growth]) -> Table:
+    """Return a line a curve."""
+    return Table(
+        HEAD, [_line(one, curve) for one in series for curve in one.curves], HEAD[4:], "How times grow"
+    )
 
 
 def _line(one: Growth, curve: Curve) -> tuple[str, ...]:
@@ -348,9 +316,8 @@ def sentences(series: Sequence[Growth]) -> list[str]:
     told = []
     for one in series:
         largest = max(x for curve in one.curves for x in curve.x)
-        last = sorted(
-            (curve for curve in one.curves if curve.x[-1] == largest), key=lambda curve: curve.y[-1]
-        )
+        last = [curve for curve in one.curves if curve.x[-1] == largest]
+        last.sort(key=lambda curve: curve.y[-1])
         order = ", ".join(f"{curve.label} {written(curve.y[-1])} ms" for curve in last[:3])
         told.append(f"At {largest:,.0f} {one.x_title} the fastest are {order}.")
         told += [crossing.sentence(one.x_title) for crossing in crossovers(one.curves)]

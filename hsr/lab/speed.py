@@ -13,7 +13,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -27,8 +27,6 @@ from hsr.lab.statistics import timing
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import CULL, View, view
 from hsr.scene.model import Scene
-
-Cull = Literal["scene", "none", "back"]
 
 PATIENCE = 2.0**26
 """Tests of a face at a sample that one waits for, turn after turn: about a second on two cores."""
@@ -60,11 +58,11 @@ class Case:
 
     scene: str
     view: View
-    cull: Cull = "scene"
+    cull: str = "scene"
     series: str = ""
 
 
-def make_case(name: str, scene: Scene, size: tuple[int, int], cull: Cull = "scene") -> Case:
+def make_case(name: str, scene: Scene, size: tuple[int, int], cull: str = "scene") -> Case:
     """See a scene by its first camera, with all objects culled in one way.
 
     Parameters
@@ -132,19 +130,12 @@ def measure(
     """
     equal_threads()
     chosen = [method_named(name) for name in dict.fromkeys(names or default_methods())]
-    rows: list[Row] = []
+    turns, rows = max(repeat, FEWEST), list[Row]()
     for case in cases:
         contest = [Contestant(method, case, _reason_to_sit_out(method, case, patience)) for method in chosen]
-        rows += _measure_case(case, contest, max(repeat, FEWEST), explain, progress or (lambda _: None))
-    return Results(
-        hsr=1,
-        kind="bench",
-        date=datetime.now(UTC).isoformat(timespec="seconds"),
-        commit=commit(),
-        repeat=max(repeat, FEWEST),
-        machine=machine(),
-        rows=tuple(rows),
-    )
+        rows += _measure_case(case, contest, turns, explain, progress or (lambda _: None))
+    made = {"date": datetime.now(UTC).isoformat(timespec="seconds"), "commit": commit(), "machine": machine()}
+    return Results(hsr=1, kind="bench", repeat=turns, rows=tuple(rows), **made)
 
 
 def _measure_case(
@@ -229,25 +220,25 @@ class Contestant:
 
     def row(self, state: dict[str, float | None]) -> Row:
         """Return what was found, with the state of the machine meanwhile."""
-        seen = self.case.view
-        size = f"{seen.width}x{seen.height}"
-        head: dict[str, Any] = {
-            "id": f"{self.case.scene}/{size}/{self.case.cull}/{self.method.name}",
-            "series": self.case.series,
-            "scene": self.case.scene,
-            "width": seen.width,
-            "height": seen.height,
-            "cull": self.case.cull,
-            "method": self.method.name,
-            "faces": seen.faces,
-            "triangles": len(seen.tessellated().polygons.triangle_face),
-            "hashes": seen.hashes,
-        }
-        if self.absent:
-            return Row(**head, absent=self.absent)
-        turns = [turn | {"total": sum(turn.values())} for turn in self.turns]
-        times = {stage: timing([turn[stage] for turn in turns]) for stage in turns[0]}
-        return Row(**head, **self.facts, times=times, **state)
+        case, seen = self.case, self.case.view
+        found: dict[str, Any] = {"absent": self.absent}
+        if not self.absent:
+            turns = [turn | {"total": sum(turn.values())} for turn in self.turns]
+            times = {stage: timing([turn[stage] for turn in turns]) for stage in turns[0]}
+            found = {**self.facts, "times": times, **state}
+        return Row(
+            id=f"{case.scene}/{seen.width}x{seen.height}/{case.cull}/{self.method.name}",
+            series=case.series,
+            scene=case.scene,
+            width=seen.width,
+            height=seen.height,
+            cull=case.cull,
+            method=self.method.name,
+            faces=seen.faces,
+            triangles=len(seen.tessellated().polygons.triangle_face),
+            hashes=seen.hashes,
+            **found,
+        )
 
 
 # ---------------------------------------------------------------- judging
@@ -287,10 +278,5 @@ def _depth_off(shown: Floats, exact: Floats) -> DepthOff:
         return DepthOff(samples=0, max=0.0, median=0.0, max_ulp=0.0, median_ulp=0.0)
     off = np.abs(shown - exact)
     ulp = off / np.spacing(np.abs(exact))
-    return DepthOff(
-        samples=len(exact),
-        max=float(off.max()),
-        median=float(np.median(off)),
-        max_ulp=float(ulp.max()),
-        median_ulp=float(np.median(ulp)),
-    )
+    figures = {"max": off.max(), "median": np.median(off), "max_ulp": ulp.max(), "median_ulp": np.median(ulp)}
+    return DepthOff(samples=len(exact), **{name: float(value) for name, value in figures.items()})

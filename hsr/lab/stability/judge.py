@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
@@ -122,10 +122,7 @@ class Row:
     @property
     def causes(self) -> dict[str, int]:
         """Wrong samples by cause, of those that were traced over the whole sweep."""
-        total: Counter[str] = Counter()
-        for point in self.points:
-            total.update(point.causes)
-        return dict(total)
+        return dict(sum((Counter(point.causes) for point in self.points), Counter()))
 
     def to_json(self) -> dict[str, Any]:
         """Return the row as JSON values."""
@@ -195,19 +192,17 @@ def judge(
     UnavailableError
         If this machine lacks what one that was asked for needs; others are skipped.
     """
-    side, values = (QUICK_SIDE if quick else SIDE), family.values(quick)
-    variants = family.contenders(tuple(asked), quick)
-    points: dict[str, list[Point]] = {variant.name: [] for variant in variants}
+    side, traced = (QUICK_SIDE, QUICK_TRACED) if quick else (SIDE, TRACED)
+    points: dict[str, list[Point]] = defaultdict(list)
     skipped: dict[str, str] = {}
     drivers: dict[str, str] = {}
-    for value in values:
+    variants = family.contenders(tuple(asked), quick)
+    for value in family.values(quick):
         progress(f"{family.name} {value:g}")
         problem = _Problem(family, value, side)
-        for variant in variants:
-            if variant.name in skipped:
-                continue
+        for variant in (one for one in variants if one.name not in skipped):
             try:
-                point, driver = _judged(problem, variant, QUICK_TRACED if quick else TRACED)
+                point, driver = _judged(problem, variant, traced)
             except UnavailableError as error:
                 if asked:
                     raise
@@ -216,11 +211,9 @@ def judge(
             points[variant.name].append(point)
             if driver:
                 drivers[variant.name] = driver
-    rows = tuple(
-        _row(family, side, variant, points[variant.name], family.continuous and not quick)
-        for variant in variants
-        if variant.name not in skipped
-    )
+    sharp = family.continuous and not quick
+    ran = [variant for variant in variants if variant.name not in skipped]
+    rows = tuple(_row(family, side, variant, points[variant.name], sharp) for variant in ran)
     return Result(family, side, rows, skipped, drivers)
 
 

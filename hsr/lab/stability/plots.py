@@ -41,17 +41,7 @@ STYLE: dict[Any, Any] = {
 
 
 def chart(result: Result) -> str:
-    """Draw a result.
-
-    Parameters
-    ----------
-    result : Result
-
-    Returns
-    -------
-    str
-        An SVG document.
-    """
+    """Draw a result as an SVG document."""
     import matplotlib
 
     with matplotlib.rc_context(STYLE):
@@ -119,10 +109,8 @@ def _scale(axes: Axes, result: Result) -> None:
             axes.set_xscale("log", base=2)
     if not result.family.ascending:
         axes.invert_xaxis()
-    shown = [
-        figure for row in result.rows for figure in (*row.curve, *(p.figure for p in row.points)) if figure
-    ]
-    low, high = (math.floor(math.log10(extreme(shown, default=1.0))) for extreme in (min, max))
+    figures = [figure for row in result.rows for figure in (*row.curve, *_points(row)[1]) if figure]
+    low, high = (math.floor(math.log10(extreme(figures, default=1.0))) for extreme in (min, max))
     axes.set_yscale("symlog", base=10, linthresh=10.0**low, linscale=0.3)
     decades = range(low, high + 1, math.ceil((high + 1 - low) / TICKS))
     axes.set_yticks([0.0, *(10.0**k for k in decades)], minor=False)
@@ -137,18 +125,11 @@ def _draw_certified(axes: Axes, row: Row) -> None:
 
 
 def _draw_row(axes: Axes, row: Row, colour: str, marker: str, size: float) -> None:
-    line = "none" if row.curve else "-"
-    axes.plot(
-        *_points(row),
-        color=colour,
-        marker=marker,
-        markersize=size,
-        linestyle=line,
-        linewidth=1.0,
-        label=row.variant,
-    )
+    line, values = "none" if row.curve else "-", [point.value for point in row.points]
+    mark: dict[str, Any] = {"marker": marker, "markersize": size, "linestyle": line, "label": row.variant}
+    axes.plot(*_points(row), color=colour, linewidth=1.0, **mark)
     if row.curve:
-        axes.plot([point.value for point in row.points], row.curve, color=colour, linewidth=1.0, alpha=0.7)
+        axes.plot(values, row.curve, color=colour, linewidth=1.0, alpha=0.7)
     elif row.predicted is not None:
         axes.axvline(row.predicted, color=colour, linestyle=":", linewidth=1.2)
 
