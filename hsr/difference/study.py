@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -169,6 +170,11 @@ def study(
         {name: causes(problem, map, truth) for name, map in others.items() if truth and truth.admissible},
         _agreement(list(maps.values())),
     )
+
+
+def causes_of(studies: Sequence[Study], name: str) -> Counter[str]:
+    """Count the wrong samples of a method by cause, over all studies that know why."""
+    return sum((Counter(found.causes[name].counts) for found in studies if name in found.causes), Counter())
 
 
 def _run(method: Method, problem: View, patient: bool) -> VisibilityMap:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 import platform
-from collections import Counter
 from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -17,7 +16,7 @@ from markupsafe import Markup
 from hsr.base.errors import HsrError
 from hsr.base.files import write_whole
 from hsr.difference.classes import DIFFERENT, SampleClass
-from hsr.difference.study import Study
+from hsr.difference.study import Study, causes_of
 from hsr.models.stages import Cause
 from hsr.pages.frame import page, style
 from hsr.pages.inspector import fragment, inspected, inspection
@@ -37,7 +36,7 @@ def write_report(
     studies: Sequence[Study],
     path: str | Path,
     title: str = "Which surface does the eye see?",
-    progress: Callable[[str], None] | None = None,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> None:
     """Write a report on several studies as one HTML file that needs no network.
 
@@ -53,7 +52,7 @@ def write_report(
         One a scene, each with one map at least.
     title : str
         What the page is headed by.
-    progress : callable, optional
+    progress : callable
         Called with a study's name before the histories of its samples are told, which takes seconds.
 
     Raises
@@ -68,34 +67,32 @@ def write_report(
         raise HsrError("nothing to report: no scenes")
     data = []
     for found in studies:
-        if progress is not None:
-            progress(f"histories of {found.name}")
+        progress(f"histories of {found.name}")
         data.append(inspection(found, min(DIGITS, ALL_DIGITS // len(studies))))
-    write_whole(path, _render(studies, title, data), "the report")
+    write_whole(path, _page(studies, title, data), "the report")
 
 
-def _render(studies: Sequence[Study], title: str, data: Sequence[dict[str, Any]]) -> str:
-    causes = _causes(studies)
+def _page(studies: Sequence[Study], title: str, data: Sequence[dict[str, Any]]) -> str:
+    known = dict.fromkeys(name for found in studies for name in found.causes)
+    causes = {name: causes_of(studies, name) for name in known}
     colours = (f".class-{kind:d} {{ background: rgb{CLASS_COLOURS[kind.label]}; }}\n" for kind in ABOUT)
     return page(
         "report",
         title,
         style("inspector.css", "report.css") + Markup("".join(colours)),
         ["viewer.js"],
-        filters={"figures": _figures, "milliseconds": _milliseconds, "note": _note},
+        filters={"figures": _figures, "milliseconds": _milliseconds, "note": _note, "uri": data_uri},
         studies=studies,
         methods=list(dict.fromkeys(name for found in studies for name in found.methods)),
         classes=ABOUT.items(),
         different=DIFFERENT,
         causes=causes,
         stages=[cause.label for cause in Cause if any(why[cause.label] for why in causes.values())],
-        unexplained=Cause.UNEXPLAINED.label,
         extent=_extent,
         expected=_expected,
         flat=any(_expected(found, name) for found in studies for name in found.differences),
         fragment=fragment,
-        picture=lambda map, view: data_uri(shade(map, view)),
-        small=lambda difference: data_uri(difference.picture()),
+        shade=shade,
         date=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         environment=_environment(studies),
         **inspected(data),
@@ -119,24 +116,13 @@ def _expected(study: Study, name: str) -> bool:
     return (name in study.tessellating) != (study.reference in study.tessellating)
 
 
-def _causes(studies: Sequence[Study]) -> dict[str, Counter[str]]:
-    """Count the wrong samples of every method by cause, over all scenes."""
-    total: dict[str, Counter[str]] = {}
-    for found in studies:
-        for name, why in found.causes.items():
-            total.setdefault(name, Counter()).update(why.counts)
-    return total
-
-
 def _environment(studies: Sequence[Study]) -> dict[str, str]:
     """Name what the figures were made with."""
-    made_with = {"Python": platform.python_version()} | {name: version(name) for name in PACKAGES}
-    made_with["system"] = f"{platform.system()} {platform.machine()}, {os.cpu_count()} processors"
-    for found in studies:
-        for name, map in found.maps.items():
-            if "driver" in map.notes:
-                made_with[name] = str(map.notes["driver"])
-    return made_with
+    versions = {"Python": platform.python_version()} | {name: version(name) for name in PACKAGES}
+    system = f"{platform.system()} {platform.machine()}, {os.cpu_count()} processors"
+    maps = [named for found in studies for named in found.maps.items()]
+    drivers = {name: str(map.notes["driver"]) for name, map in maps if "driver" in map.notes}
+    return {**versions, "system": system, **drivers}
 
 
 # ---------------------------------------------------------------- numbers as people read them

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from markupsafe import Markup, escape
@@ -14,7 +14,7 @@ from hsr.lab.stability.family import GROUPS
 from hsr.lab.stability.judge import FINE, Result
 from hsr.lab.stability.plots import chart
 from hsr.lab.stability.summary import headline, matrix, number
-from hsr.pages import frame
+from hsr.pages.frame import page, style
 
 
 def write_folder(results: Sequence[Result], folder: Path) -> list[Path]:
@@ -38,35 +38,26 @@ def write_folder(results: Sequence[Result], folder: Path) -> list[Path]:
         If the folder or a file cannot be written.
     """
     make_folder(folder)
-    charts = {result.family.name: chart(result) for result in results}
-    written = {
-        "index.html": page(results, charts),
-        "results.json": json.dumps({"hsr": 1, "families": [r.to_json() for r in results]}, indent=1) + "\n",
-        "matrix.json": json.dumps(matrix(results), indent=1) + "\n",
-    } | {f"{name}.svg": svg for name, svg in charts.items()}
+    charts = {f"{result.family.name}.svg": chart(result) for result in results}
+    whole = {"hsr": 1, "families": [result.to_json() for result in results]}
+    tables = {"results.json": whole, "matrix.json": matrix(results)}
+    written = {"index.html": _page(results, charts)}
+    written |= {name: json.dumps(told, indent=1) + "\n" for name, told in tables.items()} | charts
     for name, text in written.items():
         write_whole(folder / name, text, "the stability report")
     return [folder / name for name in written]
 
 
-def page(results: Sequence[Result], charts: dict[str, str]) -> str:
-    """Return the page as HTML that needs no network.
-
-    Parameters
-    ----------
-    results : sequence of Result
-    charts : dict of str to str
-        SVG documents by family.
-    """
-    return frame.page(
+def _page(results: Sequence[Result], charts: Mapping[str, str]) -> str:
+    return page(
         "stability",
         "Where the methods break",
-        frame.style("stability.css"),
+        style("stability.css"),
         drawings=True,
         filters={"number": number, "raised": raised},
         results=results,
         groups=GROUPS,
-        headline=headline(matrix(results)["families"]),
+        headline=headline([result.to_json() for result in results]),
         fine=FINE,
         charts={name: Markup(svg[svg.index("<svg") :]) for name, svg in charts.items()},
     )
