@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from hsr.base.errors import NoOpenGLError, UnavailableError
+from hsr.base.files import make_folder, write_whole
 
 if TYPE_CHECKING:
     from hsr.testing.recording import Visibility
@@ -78,23 +79,14 @@ def pytest_configure(config: pytest.Config) -> None:
 @pytest.fixture
 def visibility(request: pytest.FixtureRequest) -> Iterator[Visibility]:
     """Check visibility by face id: ``agree``, ``equal``, ``check``, ``similar``."""
-    from hsr.testing.baselines import FOLDER
-    from hsr.testing.recording import Options, Visibility
+    from hsr.testing.recording import Visibility
 
-    config, test = request.config, request.node
+    test, results = request.node, _results(request.config)
     markers = [("marker", mark.kwargs) for mark in test.iter_markers(FIXTURE)]
-    options = Options(
-        test.nodeid,
-        config.rootpath,
-        _results(config),
-        test.path.parent / FOLDER / test.path.stem,
-        [*markers, *_limits(config)],
-        config.getoption("hsr_update"),
-        config.getini("hsr_baselines"),
-        config.getoption("hsr_selfcheck"),
-    )
-    _claim(options.results)
-    checks = Visibility(options, test.user_properties)
+    make_folder(results)
+    if not _ours(results):  # whoever else says so at the same time
+        write_whole(results / MARK, OURS, "the mark of the results")
+    checks = Visibility(test, results, [*markers, *_limits(request.config)])
     yield checks
     checks.finish()
 
@@ -126,18 +118,9 @@ def _check_results(results: Path) -> None:
     if results.exists() and not results.is_dir():
         raise pytest.UsageError(f"{results}: results need a folder, and this is a file")
     # The mark is written before anything else, so whoever sees more sees the mark, too.
-    strange = results.is_dir() and any(not file.name.startswith(MARK) for file in results.iterdir())
+    strange = results.is_dir() and any(MARK not in file.name for file in results.iterdir())
     if strange and not _ours(results):
         raise pytest.UsageError(f"{results}: not empty, and no results of checks; name another folder")
-
-
-def _claim(results: Path) -> None:
-    """Make the folder of results and mark it as ours, whoever else does so at the same time."""
-    results.mkdir(parents=True, exist_ok=True)
-    if not _ours(results):
-        unfinished = results / f"{MARK}.{os.getpid()}"
-        unfinished.write_text(OURS, encoding="utf-8")
-        unfinished.replace(results / MARK)
 
 
 def _ours(results: Path) -> bool:
@@ -189,7 +172,7 @@ class _Gatherer:
         self._config = config
         self._results = _results(config)
         self._partial = any("::" in argument for argument in config.args)
-        self._outcomes: dict[str, bool] = {}
+        self._passed: dict[str, bool] = {}
         self._lines: list[str] = []
 
     @pytest.hookimpl(tryfirst=True)
@@ -212,8 +195,9 @@ class _Gatherer:
         self._partial |= getattr(node, "workeroutput", {}).get("hsr_deselected", True)
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        passed = report.passed and not hasattr(report, "wasxfail")
-        self._outcomes[report.nodeid] = self._outcomes.get(report.nodeid, True) and passed
+        """Remember of each module whether all its tests ran and passed: then they used what they need."""
+        module, passed = report.nodeid.partition("::")[0], report.passed and not hasattr(report, "wasxfail")
+        self._passed[module] = self._passed.get(module, True) and passed
 
     @pytest.hookimpl(trylast=True)
     def pytest_sessionfinish(self, session: pytest.Session) -> None:
@@ -222,8 +206,9 @@ class _Gatherer:
             return
         from hsr.testing.results import gather
 
-        whole = [] if self._partial or session.shouldstop or session.shouldfail else self._whole_modules()
-        self._lines, overlooked = gather(self._results, self._config.rootpath, whole)
+        root, partial = self._config.rootpath, self._partial or session.shouldstop or session.shouldfail
+        whole = [root / module for module, passed in self._passed.items() if passed and not partial]
+        self._lines, overlooked = gather(self._results, root, whole)
         if overlooked and session.exitstatus == pytest.ExitCode.OK:
             session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
@@ -233,11 +218,3 @@ class _Gatherer:
             terminalreporter.section("visibility")
             for line in self._lines:
                 terminalreporter.write_line(line)
-
-    def _whole_modules(self) -> list[Path]:
-        """Return the modules all of whose tests ran and passed: they used what they need."""
-        passed: dict[str, bool] = {}
-        for test, outcome in self._outcomes.items():
-            module = test.partition("::")[0]
-            passed[module] = passed.get(module, True) and outcome
-        return [self._config.rootpath / module for module, whole in passed.items() if whole]

@@ -53,6 +53,10 @@ REASONS = {
 """What a stage does that makes a sample wrong."""
 
 
+Known = Mapping[str, Causes] | None
+"""Causes of all wrong samples, by method, where they have been found already."""
+
+
 @dataclass(frozen=True)
 class Entry:
     """A face on the line of sight, or just beside it.
@@ -229,13 +233,7 @@ def _edges(entry: Entry) -> str:
 # ---------------------------------------------------------------- telling histories
 
 
-def history(
-    view: View,
-    row: int,
-    column: int,
-    maps: Sequence[VisibilityMap],
-    known: Mapping[str, Causes] | None = None,
-) -> History:
+def history(view: View, row: int, column: int, maps: Sequence[VisibilityMap], known: Known = None) -> History:
     """Tell what lies on the line of sight of a sample, and what methods made of it.
 
     Parameters
@@ -298,11 +296,7 @@ class Historian:
     """
 
     def __init__(
-        self,
-        view: View,
-        samples: Sequence[int],
-        maps: Sequence[VisibilityMap],
-        known: Mapping[str, Causes] | None = None,
+        self, view: View, samples: Sequence[int], maps: Sequence[VisibilityMap], known: Known = None
     ) -> None:
         for answer in maps:
             _check(view, answer)
@@ -316,56 +310,48 @@ class Historian:
 
     def tell(self, sample: int) -> History:
         """Tell the history of one of the samples."""
-        seen = self.sightlines[sample]
-        told = [_Telling(self, sample, seen, answer) for answer in self.maps]
+        seen, size = self.sightlines[sample], (self.view.width, self.view.height)
+        told = [_Telling(self, sample, answer) for answer in self.maps]
         speakers = {telling.shows: telling for telling in told}
 
         def verdicts(layer: Layer) -> dict[str, str]:
             said = {shows: telling.verdict(layer) for shows, telling in speakers.items()}
             return {telling.answer.method: said[telling.shows] for telling in told}
 
-        row, column = divmod(sample, self.view.width)
-        return History(
-            row,
-            column,
-            (self.view.width, self.view.height),
-            self.name(seen.owner),
-            {face: self.name(face) for face in sorted(seen.admissible)},
-            tuple(Entry(self.name(layer.face), layer, self.window(layer), verdicts) for layer in seen.layers),
-            tuple(telling.story() for telling in told),
+        owners = {face: self.name(face) for face in sorted(seen.admissible)}
+        entries = (
+            Entry(self.name(x.face), x, window_depth(self.view, x.depth), verdicts) for x in seen.layers
         )
-
-    def window(self, layer: Layer) -> Fraction | None:
-        """Return the depth in the window of a face that covers its sample."""
-        return None if layer.depth is None else window_depth(self.view, layer.depth)
+        stories = tuple(telling.story() for telling in told)
+        return History(*divmod(sample, size[0]), size, self.name(seen.owner), owners, tuple(entries), stories)
 
     @cached_property
     def tessellated(self) -> dict[int, Sightline]:
         """What is on the lines of sight where polygons stand for curved shapes, and matter."""
-        matter = [
-            sample
-            for sample in self.sightlines
-            if any(self.cause(sample, answer) == Cause.TESSELLATION for answer in self.maps)
-        ]
-        return sightlines(faces_nearby(self.view.tessellated(), np.array(matter)))
+
+        def matters(sample: int) -> bool:
+            return any(self.cause(sample, answer) == Cause.TESSELLATION for answer in self.maps)
+
+        return sightlines(
+            faces_nearby(self.view.tessellated(), np.array([*filter(matters, self.sightlines)]))
+        )
 
     def _cause(self, sample: int, answer: VisibilityMap) -> Cause:
         """Return the stage at which a method goes wrong at a sample, if it does."""
-        seen = self.sightlines[sample]
-        if int(answer.face.flat[sample]) in seen.admissible:
+        shown = int(answer.face.flat[sample])
+        if shown in self.sightlines[sample].admissible:
             return Cause.NONE
         if answer.method in self.known:
             return Cause(int(self.known[answer.method].cause.flat[sample]))
         # The models are asked about the faces near the sample first, which is quick; about the whole view
         # where that explains nothing, as when triangles elsewhere have a say.
-        shown = int(answer.face.flat[sample])
-        asked = [(self.view, shown)]
-        if self.nearby.view.placements and shown in self.number:
-            asked.insert(0, (self.nearby.view, self.number[shown]))
         method, here = methods().get(answer.method), np.array([sample])
-        found = (causes_at(method, view, here, np.array([face])) for view, face in asked)
-        explained = (Cause(int(cause[0])) for cause in found if cause[0] != Cause.UNEXPLAINED)
-        return next(explained, Cause.UNEXPLAINED)
+        for view, face in ((self.nearby.view, self.number.get(shown)), (self.view, shown)):
+            if view.placements and face is not None:
+                cause = Cause(int(causes_at(method, view, here, np.array([face]))[0]))
+                if cause != Cause.UNEXPLAINED:
+                    return cause
+        return Cause.UNEXPLAINED
 
 
 def _check(view: View, answer: VisibilityMap) -> None:
@@ -376,16 +362,18 @@ def _check(view: View, answer: VisibilityMap) -> None:
         raise MapError(f"the map of {answer.method} has another size; render it anew")
 
 
-def window_depth(view: View, depth: Fraction) -> Fraction:
-    """Turn a depth along the view axis into one of the window, without rounding.
+def window_depth(view: View, depth: Fraction | None) -> Fraction | None:
+    """Turn a depth along the view axis, where there is one, into one of the window, without rounding.
 
     0 at near and 1 at far, affine on the screen: ``(1/near - 1/d) / (1/near - 1/far)`` under
     perspective, ``(d - near) / (far - near)`` for a parallel view.
     """
+    if depth is None:
+        return None
     near = Fraction(view.near)
     if not view.perspective:
         return (depth - near) / (Fraction(view.far) - near)
-    beyond = Fraction(0) if view.far == float("inf") else 1 / Fraction(view.far)
+    beyond = 0 if view.far == float("inf") else 1 / Fraction(view.far)
     return (1 / near - 1 / depth) / (1 / near - beyond)
 
 
@@ -398,17 +386,14 @@ class _Telling:
     Methods of which ``shows`` is the same give the same verdicts.
     """
 
-    def __init__(
-        self, historian: Historian, sample: int, sightline: Sightline, answer: VisibilityMap
-    ) -> None:
-        self.historian, self.sample, self.sightline, self.answer = historian, sample, sightline, answer
-        self.name = historian.name
-        self.face = int(answer.face.flat[sample])
-        self.depth = float(answer.depth.flat[sample])
-        self.shown = sightline.of(self.face)
+    def __init__(self, historian: Historian, sample: int, answer: VisibilityMap) -> None:
+        self.historian, self.sample, self.answer = historian, sample, answer
+        self.sightline, self.name = historian.sightlines[sample], historian.name
+        self.face, self.depth = int(answer.face.flat[sample]), float(answer.depth.flat[sample])
+        self.shown = self.sightline.of(self.face)
+        self.covered = self.shown is not None and self.shown.covered
         self.modelled = DRIVER in answer.notes.get("driver", "")
-        exact = self.shown is not None and self.shown.covered
-        self.shows = self.face, None if exact else self.depth, self.modelled
+        self.shows = self.face, None if self.covered else self.depth, self.modelled
 
     def verdict(self, layer: Layer) -> str:
         """Say what became of one face."""
@@ -438,27 +423,21 @@ class _Telling:
         gap, name = float(depth - of_shown), self.name(self.face)
         if math.isnan(gap):
             return f"passed over for {name}, whose depth is not told"
-        if gap == 0.0:
-            return f"as deep as {name}"
-        return (
-            f"lost depth to {name} by {gap:.3g}" if gap > 0 else f"passed over: {-gap:.3g} nearer than {name}"
-        )
+        if gap > 0.0:
+            return f"lost depth to {name} by {gap:.3g}"
+        return f"passed over: {-gap:.3g} nearer than {name}" if gap else f"as deep as {name}"
 
     def story(self) -> Story:
         """Say whether the method is right, and if not, why."""
-        right = self.face in self.sightline.admissible
+        method, name, owners = self.answer.method, self.name(self.face), len(self.sightline.admissible)
         cause = self.historian.cause(self.sample, self.answer)
-        method, name, label = self.answer.method, self.name(self.face), "" if right else cause.label
-        if right:
-            sentence = f"{method} is right: it shows {name}{self._tie()}."
+        if cause == Cause.NONE:
+            tie = f", one of {owners} that may own it" if owners > 1 else ""
+            label, sentence = "", f"{method} is right: it shows {name}{tie}."
         else:
-            because = f"because {self._reason(cause)} ({label}); exactly, {self._truth()}"
-            sentence = f"{method} shows {name} {because}."
-        return Story(method, self.face, name, self.depth, right, label, sentence)
-
-    def _tie(self) -> str:
-        number = len(self.sightline.admissible)
-        return f", one of {number} that may own it" if number > 1 else ""
+            label, because = cause.label, f"because {self._reason(cause)} ({cause.label})"
+            sentence = f"{method} shows {name} {because}; exactly, {self._truth()}."
+        return Story(method, self.face, name, self.depth, cause == Cause.NONE, label, sentence)
 
     def _truth(self) -> str:
         """Say by what numbers the owner owns the sample, and the face shown does not."""
@@ -483,23 +462,20 @@ class _Telling:
     def _reason(self, cause: Cause) -> str:
         """Say what went wrong, by the numbers of the method's own model if it has some."""
         shown, owner = self.drawn(self.face), self.drawn(self.sightline.owner)
-        exact = self.shown
         name = self.name(self.sightline.owner)
         if cause == Cause.TESSELLATION:
-            return self._tessellated()
+            return self._tessellated(name)
         if cause in (Cause.VERTEX_SNAPPING, Cause.FILL_RULE):
-            if shown is not None and (exact is None or not exact.covered):
-                return f"{SNAPPED} the sample lies {_inside(shown.inside)} it"
-            if owner is not None:
-                return f"{SNAPPED} the sample lies {_inside(owner.inside)} {name}"
+            drawn, what = (owner, name) if shown is None or self.covered else (shown, "it")
+            if drawn is not None:
+                return f"{SNAPPED} the sample lies {_inside(drawn.inside)} {what}"
         if cause in (Cause.DEPTH_ARITHMETIC, Cause.DEPTH_FORMAT) and shown is not None and owner is not None:
             first = ", and it was drawn first" if shown.level == owner.level else ""
             return f"its depth is stored as {shown.level} and that of {name} as {owner.level}{first}"
         return REASONS[cause]
 
-    def _tessellated(self) -> str:
+    def _tessellated(self, name: str) -> str:
         """Say how the polygons lie that stand for the owner."""
-        name = self.name(self.sightline.owner)
         polygons = f"the polygons of {self.historian.view.segments} sides that stand for "
         layers = self.historian.tessellated[self.sample].layers
         own = [layer for layer in layers if layer.face == self.sightline.owner and layer.edges]

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from hsr.base.arrays import Pixels
 from hsr.base.errors import CheckError, VisibilityError
@@ -12,19 +14,21 @@ from hsr.problem.map import VisibilityMap
 from hsr.testing.baselines import match
 from hsr.testing.judging import Judgement, judge
 from hsr.testing.limits import Limits, merged
-from hsr.testing.pictures import MIN_SIMILARITY, compared
-from hsr.testing.subject import Showing, subject_of
+from hsr.testing.subject import Maps, Showing, subject_of
 
 CALLER = "caller"
 """Who sets the limits that are given to a function."""
 
+MIN_SIMILARITY = 0.99
+
+WINDOW = 7
+"""Side of the window of structural similarity, in pixels."""
+
+WEAKER = "weaker check: it compares colours, and overlooks a wrong face that is painted alike"
+
 
 def agreement(
-    maps: Mapping[str, VisibilityMap],
-    reference: VisibilityMap,
-    limits: Limits,
-    scene: Showing = None,
-    camera: str | None = None,
+    maps: Maps, reference: VisibilityMap, limits: Limits, scene: Showing, camera: str | None
 ) -> list[Judgement]:
     """Judge every map against the reference; see :func:`assert_agree`."""
     if not maps:
@@ -34,12 +38,7 @@ def agreement(
 
 
 def assert_agree(
-    maps: Mapping[str, VisibilityMap],
-    reference: VisibilityMap,
-    *,
-    scene: Showing = None,
-    camera: str | None = None,
-    **limits: Any,
+    maps: Maps, reference: VisibilityMap, *, scene: Showing = None, camera: str | None = None, **limits: Any
 ) -> None:
     """Assert that maps show what a reference shows, by face id.
 
@@ -75,9 +74,9 @@ def assert_agree(
     >>> hsr.testing.assert_agree({"mine": mine}, truth, scene=scene)
     """
     found = agreement(maps, reference, merged([(CALLER, limits)]), scene, camera)
-    lines = [line for judgement in found if not judgement.passed for line in _told(judgement)]
-    if lines:
-        raise VisibilityError("\n".join(lines))
+    failed = [_told(judgement) for judgement in found if not judgement.passed]
+    if failed:
+        raise VisibilityError("\n".join(failed))
 
 
 def assert_same_visibility(
@@ -183,7 +182,39 @@ def assert_similar(picture: Pixels, reference: Pixels, min_similarity: float = M
         raise VisibilityError(text)
 
 
-def _told(judgement: Judgement) -> list[str]:
-    """Return a judgement and the command that explains its first sample, as lines."""
-    command = judgement.command(judgement.subject.file) if judgement.subject else ""
-    return [judgement.text(), *([f"  {command}"] if command else [])]
+def _told(judgement: Judgement) -> str:
+    """Return a judgement, and in a line the command that explains its first sample."""
+    command = judgement.command()
+    return judgement.text() + (f"\n  {command}" if command else "")
+
+
+# ---------------------------------------------------------------- pictures
+
+
+def compared(picture: Pixels, reference: Pixels, min_similarity: float) -> tuple[bool, str]:
+    """Compare two shaded pictures; see :func:`hsr.testing.assert_similar`.
+
+    Returns
+    -------
+    bool, str
+        Whether they are alike enough, by their mean structural similarity (Wang, Bovik, Sheikh,
+        Simoncelli 2004); and the judgement as lines for people.
+    """
+    from skimage.metrics import structural_similarity  # on first use: it takes a second to import
+
+    picture, reference = np.asarray(picture), np.asarray(reference)
+    if picture.shape != reference.shape or picture.dtype != np.uint8 or reference.dtype != np.uint8:
+        raise CheckError(
+            f"pictures must be uint8 arrays of one shape, not {picture.dtype} {picture.shape} and "
+            f"{reference.dtype} {reference.shape}"
+        )
+    if picture.ndim not in (2, 3) or min(picture.shape[:2]) < WINDOW:
+        raise CheckError(f"pictures must be (H, W) or (H, W, 3), {WINDOW} pixels or more a side")
+    axis = None if picture.ndim == 2 else -1
+    alike = structural_similarity(picture, reference, win_size=WINDOW, channel_axis=axis)
+    other = (picture != reference).reshape(*picture.shape[:2], -1).any(axis=-1)
+    text = (
+        f"pictures: similarity {alike:.6g}, at least {min_similarity:g} demanded, "
+        f"{np.count_nonzero(other)} pixels of another colour\n  {WEAKER}"
+    )
+    return bool(alike >= min_similarity), text

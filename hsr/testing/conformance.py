@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,26 +33,25 @@ class Trial(NamedTuple):
     camera : dict
     needs : str
         What a method must resolve by; see :data:`hsr.algorithms.registry.RESOLVES`.
-    close : bool
-        Whether samples lie on edges, on near or far, or where depths are equal: there a method that is not
-        certified may err, as far as its own models say why.
     """
 
     promise: str
     objects: tuple[dict[str, Any], ...]
     camera: dict[str, Any]
     needs: str = "nothing"
-    close: bool = False
 
     @property
-    def size(self) -> tuple[int, int]:
-        """Width and height of the picture."""
-        return GRID_SIZE if self.close else SIZE
+    def close(self) -> bool:
+        """Whether samples lie on edges, on near or far, or where depths are equal.
+
+        There a method that is not certified may err, as far as its own models say why.
+        """
+        return self.camera is GRID
 
     def view(self) -> View:
         """Return what is seen."""
         scene = {"hsr": 1, "camera": [self.camera], "object": list(self.objects)}
-        return view(Scene.model_validate(scene), self.size)
+        return view(Scene.model_validate(scene), GRID_SIZE if self.close else SIZE)
 
 
 def _thing(name: str, shape: str, *transform: dict[str, Any], **keys: Any) -> dict[str, Any]:
@@ -74,64 +74,44 @@ GRID = {"type": "orthographic", "eye": [0.0, 0.0, 5.0], "height": 8.0, "near": 1
 """A camera whose samples lie at x + 1/2 and y + 1/2, x and y whole numbers, without any rounding."""
 
 BOX = _thing("box", "cube")
-LEFT = ((-5.5, -3.5), (1.5, 3.5), (-5.5, 3.5))
-RIGHT = ((-5.5, -3.5), (1.5, -3.5), (1.5, 3.5))
-WHOLE = ((-20.0, -20.0), (20.0, -20.0), (0.0, 30.0))
+MIRRORED = _thing("box", "cube", {"scale": [-1, 1, 1]}, cull="back")
+BALL = _thing("ball", "sphere")
+
+BEHIND = _thing("behind", "cube", {"translate": [0.45, 0.3, -3.0]})
+BEFORE = _thing("before", "cube", {"scale": 0.5}, {"translate": [-0.35, 0.15, 1.0]})
+
+INSIDE = _thing("inside", "cube", cull="front")
+TURNED = _thing("back", "square", {"rotate_y": 180.0}, {"translate": [0, 0, 2]}, cull="back")
+WALL = _thing("wall", "square", {"scale": 3}, {"translate": [0, 0, -3]}, cull="none")
+
+ONE = _thing("one", "square", {"scale": 1.4}, {"rotate_y": 40.0})
+OTHER = _thing("other", "square", {"scale": 1.3}, {"rotate_y": -50.0})
+
+LEFT = _tile("left", (-5.5, -3.5), (1.5, 3.5), (-5.5, 3.5))
+RIGHT = _tile("right", (-5.5, -3.5), (1.5, -3.5), (1.5, 3.5))
+FIRST, SECOND, NEAR, FAR = (
+    _tile(name, (-20.0, -20.0), (20.0, -20.0), (0.0, 30.0), z=z)
+    for name, z in (("first", 0.0), ("second", 0.0), ("wall", 4.0), ("wall", -4.0))
+)
 
 TRIALS = (
     Trial("a convex solid hides its own back", (BOX,), _eye(-2.16, 1.92)),
     Trial("a parallel camera sees as far as it says", (BOX,), PARALLEL),
     Trial("nothing is seen of what is behind the eye", (BOX,), _eye(0.63, 0.97, target=[0.0, 0.0, 9.0])),
-    Trial(
-        "a mirrored object keeps its outside",
-        (_thing("box", "cube", {"scale": [-1, 1, 1]}, cull="back"),),
-        _eye(2.13, -1.65),
-    ),
-    Trial("a curved shape is seen", (_thing("ball", "sphere"),), _eye(0.63, 0.97)),
-    Trial(
-        "the nearer of two objects hides the other",
-        (
-            _thing("behind", "cube", {"translate": [0.45, 0.3, -3.0]}),
-            _thing("before", "cube", {"scale": 0.5}, {"translate": [-0.35, 0.15, 1.0]}),
-        ),
-        _eye(1.52, 1.37),
-        "order",
-    ),
-    Trial(
-        "what is culled is not there",
-        (
-            _thing("inside", "cube", cull="front"),
-            _thing("back", "square", {"rotate_y": 180.0}, {"translate": [0, 0, 2]}, cull="back"),
-            _thing("wall", "square", {"scale": 3}, {"translate": [0, 0, -3]}, cull="none"),
-        ),
-        _eye(-0.05, 0.22),
-        "depth",
-    ),
+    Trial("a mirrored object keeps its outside", (MIRRORED,), _eye(2.13, -1.65)),
+    Trial("a curved shape is seen", (BALL,), _eye(0.63, 0.97)),
+    Trial("the nearer of two objects hides the other", (BEHIND, BEFORE), _eye(1.52, 1.37), "order"),
+    Trial("what is culled is not there", (INSIDE, TURNED, WALL), _eye(-0.05, 0.22), "depth"),
     Trial(
         "objects that cut through each other are told apart at every sample",
-        (
-            _thing("one", "square", {"scale": 1.4}, {"rotate_y": 40.0}),
-            _thing("other", "square", {"scale": 1.3}, {"rotate_y": -50.0}),
-        ),
+        (ONE, OTHER),
         _eye(-0.82, -2.64),
         "depth",
     ),
-    Trial(
-        "a shared edge has one owner, top or left",
-        (_tile("left", *LEFT), _tile("right", *RIGHT)),
-        GRID,
-        "nothing",
-        True,
-    ),
-    Trial(
-        "of equal depths the lowest face is shown",
-        (_tile("first", *WHOLE), _tile("second", *WHOLE)),
-        GRID,
-        "depth",
-        True,
-    ),
-    Trial("what lies at near is seen", (_tile("wall", *WHOLE, z=4.0),), GRID, "nothing", True),
-    Trial("what lies at far is seen", (_tile("wall", *WHOLE, z=-4.0),), GRID, "nothing", True),
+    Trial("a shared edge has one owner, top or left", (LEFT, RIGHT), GRID),
+    Trial("of equal depths the lowest face is shown", (FIRST, SECOND), GRID, "depth"),
+    Trial("what lies at near is seen", (NEAR,), GRID),
+    Trial("what lies at far is seen", (FAR,), GRID),
 )
 
 
@@ -162,68 +142,58 @@ def check_method(method: Method | str) -> None:
     """
     row = method_named(method) if isinstance(method, str) else method
     for trial in TRIALS:
-        _try(row, trial)
+        seen = trial.view() if row.curved else trial.view().tessellated()
+        for why in _broken(row, trial, seen):
+            promise = f"{trial.promise} ({seen.width}x{seen.height})"
+            raise VisibilityError(f"{row.name} does not keep that {promise}: {why}")
 
 
-def _try(row: Method, trial: Trial) -> None:
-    seen = trial.view() if row.curved else trial.view().tessellated()
-    answer, again = row.render(seen), row.render(seen)
-    _check_form(row, trial, seen, answer)
+def _broken(row: Method, trial: Trial, seen: View) -> Iterator[str]:
+    """Yield by what a promise is broken; what comes later is to be asked only if nothing came before."""
+    answer, again, truth = row.render(seen), row.render(seen), method_named("exact").render(seen)
+    yield from _malformed(seen, answer)
     same = (answer.face == again.face) & ((answer.depth == again.depth) | np.isnan(answer.depth))
-    _require(row, trial, same, "another answer when asked again")
-    truth = method_named("exact").render(seen)
+    yield from _samples(same, "another answer when asked again")
     if row.certified:
-        _require_faces(row, trial, answer, truth, answer.face == truth.face)
+        yield from _wrong(answer, truth, answer.face == truth.face)
     elif not trial.close and RESOLVES.index(row.resolves) <= RESOLVES.index(trial.needs):
-        _require_faces(row, trial, answer, truth, truth.admits(answer.face))
+        yield from _wrong(answer, truth, truth.admits(answer.face))
     elif row.pipeline:
         found = causes_by(row, seen, answer, truth)
         if found.unexplained or found.reproduced is False:
-            _fail(row, trial, f"its models do not show what it shows; causes: {found.counts}")
-    if not trial.close:
-        _require(row, trial, _deep_enough(row, answer, truth), "another depth than that of the face it shows")
+            yield f"its models do not show what it shows; causes: {found.counts}"
+    if answer.tells_depth and not trial.close:
+        yield from _samples(_deep_enough(row, answer, truth), "another depth than that of the face it shows")
 
 
-def _check_form(row: Method, trial: Trial, seen: View, answer: VisibilityMap) -> None:
-    """Require what every map has."""
+def _malformed(seen: View, answer: VisibilityMap) -> Iterator[str]:
+    """Yield what is not as in every map."""
     face, depth = answer.face, answer.depth
     told = (face.shape, str(face.dtype), str(depth.dtype))
     if told != ((seen.height, seen.width), "int32", "float64"):
-        _fail(
-            row, trial, f"faces {face.shape} {face.dtype} and depths {depth.dtype} are not int32 and float64"
-        )
-    _require(row, trial, (face >= BACKGROUND) & (face < seen.faces), "a face that there is not")
+        yield f"faces {face.shape} {face.dtype} and depths {depth.dtype} are not int32 and float64"
+    yield from _samples((face >= BACKGROUND) & (face < seen.faces), "a face that there is not")
     if answer.tells_depth:
-        _require(row, trial, (face == BACKGROUND) == np.isposinf(depth), "a background that is not at +inf")
+        yield from _samples((face == BACKGROUND) == np.isposinf(depth), "a background that is not at +inf")
     if "render" not in answer.seconds or not all(isinstance(n, int) for n in answer.work.values()):
-        _fail(row, trial, "seconds need 'render', and work whole numbers")
+        yield "seconds need 'render', and work whole numbers"
 
 
 def _deep_enough(row: Method, answer: VisibilityMap, truth: VisibilityMap) -> Bools:
-    """Tell where the depth (H, W) is that of the truth, or another face is shown, or none is told."""
-    fine = (answer.face != truth.face) | (truth.face == BACKGROUND)
-    if answer.tells_depth:
-        depth = truth.depth[~fine]
-        near_by = NEAR_BY if row.certified else ROUGHLY
-        reach = near_by * np.abs(depth) + 2.0 * depth_step(answer, depth)
-        fine[~fine] = np.abs(answer.depth[~fine] - depth) <= reach
-    return fine if answer.tells_depth else np.ones_like(fine)
+    """Tell where the depth (H, W) is that of the truth, or another face is shown."""
+    fine: Bools = (answer.face != truth.face) | (truth.face == BACKGROUND)
+    depth, near_by = truth.depth[~fine], NEAR_BY if row.certified else ROUGHLY
+    reach = near_by * np.abs(depth) + 2.0 * depth_step(answer, depth)
+    fine[~fine] = np.abs(answer.depth[~fine] - depth) <= reach
+    return fine
 
 
-def _require_faces(
-    row: Method, trial: Trial, answer: VisibilityMap, truth: VisibilityMap, fine: Bools
-) -> None:
-    for at in zip(*np.nonzero(~fine), strict=True):
-        shown, true = (map.name_of(int(map.face[at])) for map in (answer, truth))
-        _require(row, trial, fine, f"{shown}, the truth is {true}")
+def _wrong(answer: VisibilityMap, truth: VisibilityMap, fine: Bools) -> Iterator[str]:
+    for row, column in np.argwhere(~fine):
+        shown, true = (map.name_of(int(map.face[row, column])) for map in (answer, truth))
+        yield f"sample (row {row}, column {column}) shows {shown}, the truth is {true}"
 
 
-def _require(row: Method, trial: Trial, fine: Bools, else_: str) -> None:
-    """Fail at the first sample that is not fine."""
-    for at in zip(*np.nonzero(~fine), strict=True):
-        _fail(row, trial, f"sample (row {at[0]}, column {at[1]}) shows {else_}")
-
-
-def _fail(row: Method, trial: Trial, why: str) -> None:
-    width, height = trial.size
-    raise VisibilityError(f"{row.name} does not keep that {trial.promise} ({width}x{height}): {why}")
+def _samples(fine: Bools, what: str) -> Iterator[str]:
+    """Yield for each sample that is not fine what it shows."""
+    return (f"sample (row {row}, column {column}) shows {what}" for row, column in np.argwhere(~fine))

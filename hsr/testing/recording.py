@@ -18,47 +18,16 @@ from hsr.pictures.png import save_picture
 from hsr.problem.map import VisibilityMap
 from hsr.scene.model import Mesh, Object, Scene
 from hsr.scene.writing import write_scene
-from hsr.testing.baselines import SUFFIXES, contents, file_stem, match, variants, write
-from hsr.testing.checks import agreement
+from hsr.testing.baselines import FOLDER, SUFFIXES, contents, file_stem, match, variants, write
+from hsr.testing.checks import MIN_SIMILARITY, agreement, compared
 from hsr.testing.judging import Judgement, let_through
 from hsr.testing.limits import Limits, merged
-from hsr.testing.pictures import MIN_SIMILARITY, compared
-from hsr.testing.subject import Showing, Subject, subject_of
+from hsr.testing.subject import Maps, Showing, subject_of
 
 ITEMS = "items"
 """Folder among the results with a JSON file and the failed maps of every test."""
 
 PAGE = "report.html"
-
-
-@dataclass(frozen=True)
-class Options:
-    """A test and the options that hold for it.
-
-    Attributes
-    ----------
-    test : str
-        Its name as pytest has it.
-    root, results, baselines : Path
-        The project's root, the results of this run, the baselines of the test's module.
-    limits : sequence of (str, mapping)
-        Limits and who set them, the strongest first.
-    update : {"", "failed", "new", "all"}
-        Which baselines to write.
-    keep : {"maps", "hashes"}
-        What a new baseline keeps.
-    selfcheck : bool
-        Whether to try the checks that pass on planted mistakes.
-    """
-
-    test: str
-    root: Path
-    results: Path
-    baselines: Path
-    limits: Sequence[tuple[str, Mapping[str, Any]]]
-    update: str
-    keep: str
-    selfcheck: bool
 
 
 @dataclass
@@ -122,35 +91,33 @@ class Visibility:
 
     Parameters
     ----------
-    options : Options
-    properties : list of (str, object)
-        Takes what the JUnit file says of the test.
+    test : pytest.Item
+        The test, with the options that hold for it; it takes what the JUnit file says.
+    results : Path
+        Those of this run.
+    limits : sequence of (str, mapping)
+        Limits and who set them, the strongest first.
     """
 
-    def __init__(self, options: Options, properties: list[tuple[str, object]]) -> None:
-        self._options = options
-        self._properties = properties
+    def __init__(self, test: Any, results: Path, limits: Sequence[tuple[str, Mapping[str, Any]]]) -> None:
+        self._test, self._results, self._limits = test, results, limits
+        self._baselines = test.path.parent / FOLDER / test.path.stem
         self._checks: list[Check] = []
         self._used: set[str] = set()
         self._stems: set[str] = set()
         # The names of the test's module, of its classes and of its function with its parameters.
-        self._module, *self._names = options.test.split("::")
-        self._id = file_stem(self._module, *self._names)
+        module, *self._names = test.nodeid.split("::")
+        self._id = file_stem(module, *self._names)
 
     @cached_property
     def limits(self) -> Limits:
         """The limits that hold for this test."""
-        return merged(self._options.limits)
+        return merged(self._limits)
 
     # ------------------------------------------------------------ checks
 
     def agree(
-        self,
-        maps: Mapping[str, VisibilityMap],
-        reference: VisibilityMap,
-        *,
-        scene: Showing = None,
-        camera: str | None = None,
+        self, maps: Maps, reference: VisibilityMap, *, scene: Showing = None, camera: str | None = None
     ) -> None:
         """Check that maps show what a reference shows; see :func:`hsr.testing.assert_agree`.
 
@@ -174,7 +141,7 @@ class Visibility:
         """
         __tracebackhide__ = True
         found = agreement(maps, reference, self.limits, scene, camera)
-        self._demand([self._judged(judgement) for judgement in found])
+        self._demand([self._judged(judgement, judgement.text()) for judgement in found])
 
     def equal(
         self, a: VisibilityMap, b: VisibilityMap, *, scene: Showing = None, camera: str | None = None
@@ -204,23 +171,25 @@ class Visibility:
             If a baseline cannot be read.
         """
         __tracebackhide__ = True
-        folder, stem = self._options.baselines, self._stem(name)
-        called, files = name or self._names[-1], variants(folder, stem)
-        subject = subject_of(scene, camera, map)
+        stem, called = self._stem(name), name or self._names[-1]
+        subject, files = subject_of(scene, camera, map), variants(self._baselines, stem)
         if files:
-            check, target = self._matched(called, map, files, subject)
+            found = match(called, map, files, self.limits, subject)
+            text, target = "\n".join(found.lines), found.file
+            judged = found.judgement
+            check = self._judged(judged, text) if judged else self._new(called, found.passed, text)
         else:
-            target = folder / f"{stem}{SUFFIXES[self._options.keep]}"
+            target = self._baselines / f"{stem}{SUFFIXES[self._test.config.getini('hsr_baselines')]}"
             check = self._new(called, False, f"{called}: there is no baseline {self._seen_from_root(target)}")
         check.contents, check.baseline = contents(map), self._seen_from_root(target)
         check.depths = self.limits.depth_ulps is not None
         self._used |= {file.name for file in (*files, target)}
         if not check.passed and not check.shown:
             check.shown = self._keep(check, "shown", map)
-            view = None if subject is None else subject.view
+            view = subject.view if subject else None
             self._inspect(check, Shown(check.key, view, {called: map}, None, {}, {}))
         due = "new" if not files else "failed" if not check.passed else "all"
-        if self._options.update in (due, "all"):
+        if self._test.config.getoption("hsr_update") in (due, "all"):
             write(target, map, check.depths)
             check.written = True
             check.text += f"\n  wrote {check.baseline}: look at it, then run again without --hsr-update"
@@ -250,8 +219,8 @@ class Visibility:
         check.weaker = True
         if not passed:
             check.shown, check.expected = (self._file(check, f"{what}.png") for what in ("shown", "expected"))
-            save_picture(picture, self._options.results / check.shown)
-            save_picture(reference, self._options.results / check.expected)
+            save_picture(picture, self._results / check.shown)
+            save_picture(reference, self._results / check.expected)
             check.link = f"#{check.key}"
         self._demand([check])
 
@@ -264,15 +233,6 @@ class Visibility:
         self._stems.add(stem)
         return stem
 
-    def _matched(
-        self, called: str, map: VisibilityMap, files: Sequence[Path], subject: Subject | None
-    ) -> tuple[Check, Path]:
-        """Compare a map with its baselines; return the check, and the file it is about."""
-        found = match(called, map, files, self.limits, subject)
-        if found.judgement is None:
-            return self._new(called, found.passed, "\n".join(found.lines)), found.file
-        return self._judged(found.judgement, *found.lines), found.file
-
     # ------------------------------------------------------------ records
 
     def finish(self) -> None:
@@ -281,42 +241,41 @@ class Visibility:
             return
         record = {
             "hsr": 1,
-            "test": self._options.test,
+            "test": self._test.nodeid,
             "checks": [asdict(check) for check in self._checks],
-            "baselines": self._seen_from_root(self._options.baselines),
+            "baselines": self._seen_from_root(self._baselines),
             "used": sorted(self._used),
         }
         (self._folder / "checks.json").write_text(json.dumps(record, indent=1), encoding="utf-8")
 
-    def _judged(self, judgement: Judgement, *lines: str) -> Check:
+    def _judged(self, judgement: Judgement, text: str) -> Check:
         """Record a judgement; of a failed one keep the maps, of a passed one try planted mistakes."""
         shown, expected = judgement.difference.a, judgement.difference.b
-        check = self._new(judgement.name, judgement.passed, "\n".join(lines or [judgement.text()]))
+        check = self._new(judgement.name, judgement.passed, text)
         check.counts, check.contents = judgement.counts, contents(shown)
-        if judgement.sample is not None:
-            check.sample = [judgement.sample[1], judgement.sample[0]]
+        check.sample = list(judgement.sample[::-1]) if judgement.sample else None
         if not judgement.passed:
             check.shown = self._keep(check, "shown", shown)
             check.expected = self._keep(check, "expected", expected)
             self._inspect(check, _compared(check.key, judgement), judgement.sample)
             check.text += self._command(check, judgement)
-        elif self._options.selfcheck and judgement.subject is not None:
+        elif self._test.config.getoption("hsr_selfcheck") and judgement.subject is not None:
             check.lets_pass = let_through(shown, expected, self.limits, judgement.subject)
         return check
 
     def _command(self, check: Check, judgement: Judgement) -> str:
         """Return the line with the command that explains the first sample; it needs a scene file."""
-        subject = judgement.subject
-        if subject is None or subject.scene is None:
+        scene = judgement.subject and judgement.subject.scene
+        if not judgement.subject or not scene:
             return ""
-        file = subject.file
-        if not file:
-            written = self._options.results / self._file(check, "scene.toml")
-            write_scene(_absolute(subject.scene), written)
-            file = self._seen_from_root(written)
-        return f"\n  {judgement.command(file, self._seen_from_root(self._options.results / check.shown))}"
+        written = self._results / self._file(check, "scene.toml")
+        if not judgement.subject.file:
+            write_scene(_absolute(scene), written)
+        shown = self._seen_from_root(self._results / check.shown)
+        return f"\n  {judgement.command(self._seen_from_root(written), shown)}"
 
     def _new(self, name: str, passed: bool, text: str) -> Check:
+        self._folder.mkdir(parents=True, exist_ok=True)
         check = Check(f"{self._id}/{len(self._checks) + 1}", name, passed, text)
         self._checks.append(check)
         return check
@@ -326,39 +285,38 @@ class Visibility:
         for check in checks:
             words = ", ".join(f"{count} {label}" for label, count in check.counts.items())
             outcome = "passed" if check.passed else "failed"
-            self._properties.append((f"visibility {check.name}", f"{outcome}: {words}" if words else outcome))
+            self._test.user_properties.append(
+                (f"visibility {check.name}", f"{outcome}: {words}" if words else outcome)
+            )
             if check.shown:
-                check.text += f"\n  {(self._options.results / PAGE).as_uri()}{check.link}"
+                check.text += f"\n  {(self._results / PAGE).as_uri()}{check.link}"
         failed = [check.text for check in checks if not check.passed]
         if failed:
             raise VisibilityError("\n".join(failed))
 
     # ------------------------------------------------------------ files
 
-    @cached_property
+    @property
     def _folder(self) -> Path:
-        folder = self._options.results / ITEMS / self._id
-        folder.mkdir(parents=True, exist_ok=True)
-        return folder
+        return self._results / ITEMS / self._id
 
     def _file(self, check: Check, what: str) -> str:
         """Return the name of a file of a check, seen from the results."""
-        name = f"{check.key.rpartition('/')[2]}-{what}"
-        return (self._folder / name).relative_to(self._options.results).as_posix()
+        return f"{ITEMS}/{check.key}-{what}"
 
     def _inspect(self, check: Check, shown: Shown, sample: tuple[int, int] | None = None) -> None:
         """Keep what the page shows of maps, and how its address names what to look at first."""
         check.inspection = self._file(check, "inspection.json")
-        (self._options.results / check.inspection).write_text(json.dumps(kept(shown)), encoding="utf-8")
+        (self._results / check.inspection).write_text(json.dumps(kept(shown)), encoding="utf-8")
         check.link = fragment(check.key, list(shown.maps)[-1], sample)
 
     def _keep(self, check: Check, what: str, map: VisibilityMap) -> str:
         file = self._file(check, f"{what}.npz")
-        map.save(self._options.results / file)
+        map.save(self._results / file)
         return file
 
     def _seen_from_root(self, file: Path) -> str:
-        root = self._options.root
+        root = self._test.config.rootpath
         return file.relative_to(root).as_posix() if file.is_relative_to(root) else str(file)
 
 
@@ -368,8 +326,7 @@ def _compared(key: str, judgement: Judgement) -> Shown:
     expected = found.b.method if found.b.method != name else f"{name}, expected"
     why = {} if judgement.causes is None else {name: judgement.causes}
     maps = {expected: found.b, name: found.a}
-    view = None if subject is None else subject.view
-    return Shown(key, view, maps, expected, {name: found}, why)
+    return Shown(key, subject.view if subject else None, maps, expected, {name: found}, why)
 
 
 def _absolute(scene: Scene) -> Scene:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -15,6 +16,10 @@ from hsr.scene.model import Scene
 
 Showing = Scene | View | str | Path | None
 """What a test may give as its scene: a scene, its file, the view itself, or nothing."""
+
+
+Maps = Mapping[str, VisibilityMap]
+"""Maps by the name under which a message speaks of them."""
 
 
 @dataclass(frozen=True, eq=False)
