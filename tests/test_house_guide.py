@@ -17,7 +17,7 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 LINK = re.compile(r"^\| (.+) \| \[`(.+)`\]\((.+)\)(?: `(\w+)`)? \|$", re.MULTILINE)
 RECIPE = re.compile(
-    r"```(?:py|text|html)\n(?:# |\{# )(hsr/[\w/.]+)(?:, (in|before|at the) (\w+))?(?: #\})?\n(.*?)```",
+    r"```(?:py|text|html)\n(?:# |\{# )(hsr/[\w/.]+)(?:, (in|before) (\w+))?(?: #\})?\n(.*?)```",
     re.DOTALL,
 )
 
@@ -44,7 +44,7 @@ def changed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     copy = tmp_path_factory.mktemp("copy")
     shutil.copytree(ROOT / "hsr", copy / "hsr", ignore=shutil.ignore_patterns("__pycache__"))
     recipes = RECIPE.findall(README)
-    assert len(recipes) == 9
+    assert len(recipes) == 7
     for path, where, name, text in recipes:
         file = copy / path
         if where:
@@ -56,15 +56,10 @@ def changed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def inserted(source: str, where: str, name: str, text: str) -> str:
-    """Put a text before the first import of the package or a name's statement, or into a name's literal."""
+    """Put a text before a name's statement, or into its literal."""
     body = ast.parse(source).body
-    if where == "at the":
-        at = next(node.lineno - 1 for node in body if ast.unparse(node).startswith("from hsr"))
-    else:
-        (place,) = [
-            node for node in body if re.search(rf"^ *{name}(?: =|:)", ast.unparse(node), re.MULTILINE)
-        ]
-        at = (place.lineno if where == "before" else place.end_lineno or 0) - 1
+    (place,) = [node for node in body if re.search(rf"^ *{name}(?: =|:)", ast.unparse(node), re.MULTILINE)]
+    at = (place.lineno if where == "before" else place.end_lineno or 0) - 1
     lines = source.splitlines(keepends=True)
     return "".join([*lines[:at], text, "\n", *lines[at:]])
 

@@ -48,11 +48,8 @@ class Faces(NamedTuple):
     @classmethod
     def of(cls, vertices: Any, corner: Any, sides: Any) -> Faces:
         """Build from anything array-like."""
-        return cls(
-            np.asarray(vertices, dtype=np.float64).reshape(-1, 3),
-            np.asarray(corner, dtype=np.int64).reshape(-1),
-            np.asarray(sides, dtype=np.int64),
-        )
+        vertices = np.asarray(vertices, np.float64).reshape(-1, 3)
+        return cls(vertices, np.asarray(corner, np.int64).reshape(-1), np.asarray(sides, np.int64))
 
     @classmethod
     def of_loops(cls, vertices: Any, loops: Sequence[Any]) -> Faces:
@@ -67,14 +64,10 @@ class Faces(NamedTuple):
 
 def joined(parts: Sequence[Faces]) -> Faces:
     """Put the faces of several meshes one after the other."""
-    none = Faces.of([], [], [])
-    offsets = np.cumsum([0, *(len(part.vertices) for part in parts)])
-    corners = [part.corner + offset for part, offset in zip(parts, offsets[:-1], strict=True)]
-    return Faces(
-        np.concatenate([none.vertices, *(part.vertices for part in parts)]),
-        np.concatenate([none.corner, *corners]),
-        np.concatenate([none.sides, *(part.sides for part in parts)]),
-    )
+    parts = [Faces.of([], [], []), *parts]
+    vertices, corner, sides = (np.concatenate(column) for column in zip(*parts, strict=True))
+    before = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
+    return Faces(vertices, corner + np.repeat(before, [len(part.corner) for part in parts]), sides)
 
 
 def mesh_shape(faces: Faces) -> Shape:
@@ -92,7 +85,7 @@ def mesh_shape(faces: Faces) -> Shape:
     start = np.concatenate([[0], np.cumsum(faces.sides)]).astype(np.int32)
     polygon = np.arange(len(faces.sides), dtype=np.int32)
     polygons = Polygons(faces.vertices, faces.corner.astype(np.int32), start, polygon)
-    triangles = Polygons.of_triangles(faces.vertices, polygons.triangle_vertex)
+    triangles = Polygons.of_rows(faces.vertices, polygons.triangle_vertex)
     return Shape(Kind.MESH, "mesh", triangles, cut=int((faces.sides > 3).sum()))
 
 

@@ -20,7 +20,7 @@ CORNERS, TRIANGLES = CUBE.vertices, CUBE.triangle_vertex
 
 
 def mesh(vertices: Floats, triangles: Array) -> Polygons:
-    return Polygons.of_triangles(vertices, triangles)
+    return Polygons.of_rows(vertices, triangles)
 
 
 def two_cubes(offset: list[float], size: float = 1.0) -> Polygons:

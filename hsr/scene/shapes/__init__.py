@@ -10,31 +10,23 @@ for the terrain). The same numbers give the same bytes.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import lru_cache
+from importlib import import_module
 
-from hsr.scene.shapes import cube, cylinder, fir, menger, sphere, square, teapot, terrain, torus_knot
 from hsr.scene.shapes.polygons import Polygons
 from hsr.scene.shapes.shape import MAX_FACES, Kind, Quadric, Shape, tessellated
 
-__all__ = ["GENERIC", "MAX_FACES", "Kind", "Polygons", "Quadric", "Shape", "generic", "tessellated"]
-
-GENERIC: dict[str, Callable[..., Shape | Polygons]] = {
-    "square": square.shape,
-    "cube": cube.shape,
-    "sphere": sphere.shape,
-    "cylinder": cylinder.shape,
-    "teapot": teapot.polygons,
-    "torus-knot": torus_knot.polygons,
-    "terrain": terrain.polygons,
-    "menger": menger.polygons,
-    "fir": fir.polygons,
-}
-"""What makes shapes, or the polygons of meshes, of which a scene file gives a word and a few numbers."""
+__all__ = ["MAX_FACES", "Kind", "Polygons", "Quadric", "Shape", "generic", "tessellated"]
 
 
 @lru_cache
 def generic(shape: str, **numbers: float) -> Shape:
-    """Return a generic shape by its word and its numbers, both those of the scene file; made once."""
-    made = GENERIC[shape](**numbers)
-    return made if isinstance(made, Shape) else Shape(Kind.MESH, shape, made)
+    """Return a generic shape by its word and its numbers, both those of the scene file; made once.
+
+    The word names the file. What makes the shape there is called ``shape``, or ``polygons`` if it is a mesh.
+    """
+    made_by = import_module(f"{__name__}.{shape.replace('-', '_')}")
+    if hasattr(made_by, "shape"):
+        made: Shape = made_by.shape(**numbers)
+        return made
+    return Shape(Kind.MESH, shape, made_by.polygons(**numbers))

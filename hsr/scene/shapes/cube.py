@@ -25,6 +25,5 @@ FACES = {
 def shape() -> Shape:
     """Make the cube."""
     corners = 2 * (np.arange(8)[:, None] >> np.arange(3) & 1) - 1
-    return Shape(
-        Kind.CUBE, "cube", Polygons.of(corners.astype(np.float64), list(FACES.values())), tuple(FACES)
-    )
+    polygons = Polygons.of_rows(corners, np.array(list(FACES.values())))
+    return Shape(Kind.CUBE, "cube", polygons, tuple(FACES))

@@ -39,7 +39,7 @@ def polygons(tiers: int, sides: int) -> Polygons:
     first = np.cumsum([0, *(len(vertices) for vertices, _ in parts)])
     triangles = [own + offset for (_, own), offset in zip(parts, first[:-1], strict=True)]
     vertices = np.concatenate([vertices for vertices, _ in parts])
-    return Polygons.of_triangles(vertices, np.concatenate(triangles))
+    return Polygons.of_rows(vertices, np.concatenate(triangles))
 
 
 def _trunk(top: float) -> tuple[Floats, Ints]:

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from hsr.base.arrays import Ints
+from hsr.base.arrays import Array
 
 
-def wrapped(index: Ints) -> Ints:
+def wrapped(index: Array) -> Array:
     """Repeat the first column of a lattice of vertex indices after its last: close every row."""
     return np.pad(index, ((0, 0), (0, 1)), mode="wrap")
 
 
-def halves(index: Ints) -> Ints:
+def proper(triangles: Array) -> Array:
+    """Leave out triangles (n, 3) that name a vertex twice."""
+    a, b, c = triangles.T
+    return np.asarray(triangles[(a != b) & (b != c) & (c != a)])
+
+
+def halves(index: Array) -> Array:
     """Cut the cells of lattices (..., rows, columns) of vertex indices into two triangles each.
 
     Seen with the columns running to the right and the rows up, the triangles (n, 3) are

@@ -30,13 +30,7 @@ def polygons(level: int) -> Polygons:
     lattice = (3**level + 1,) * 3
     used, corner = np.unique(np.ravel_multi_index(loops.reshape(-1, 3).T, lattice), return_inverse=True)
     points = np.stack(np.unravel_index(used, lattice), axis=1).astype(np.float64)
-    count = len(loops)
-    return Polygons(
-        2.0 * points / 3**level - 1.0,
-        corner.astype(np.int32),
-        np.arange(0, 4 * count + 1, 4, dtype=np.int32),
-        np.arange(count, dtype=np.int32),
-    )
+    return Polygons.of_rows(2.0 * points / 3**level - 1.0, corner.reshape(-1, 4))
 
 
 def _sponge(level: int) -> Bools:

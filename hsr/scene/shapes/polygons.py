@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 
 import numpy as np
 
@@ -39,25 +40,19 @@ class Polygons:
         cls, vertices: Floats, loops: Sequence[Sequence[int]], face: Sequence[int] | None = None
     ) -> Polygons:
         """Build from lists of corners; without ``face`` every polygon is a face of its own."""
-        sizes = np.array([0, *(len(loop) for loop in loops)])
-        corner = np.array([index for loop in loops for index in loop], dtype=np.int32)
-        owner = np.arange(len(loops)) if face is None else np.asarray(face)
-        return cls(
-            np.ascontiguousarray(vertices, dtype=np.float64),
-            corner,
-            np.cumsum(sizes).astype(np.int32),
-            owner.astype(np.int32),
-        )
+        start = np.cumsum([0, *map(len, loops)]).astype(np.int32)
+        corner = np.array([*chain.from_iterable(loops)], np.int32)
+        owner = np.array(range(len(loops)) if face is None else face, np.int32)
+        return cls(np.ascontiguousarray(vertices, np.float64), corner, start, owner)
 
     @classmethod
-    def of_triangles(cls, vertices: Floats, triangles: Ints) -> Polygons:
-        """Build from (n, 3) vertex indices; every triangle is a face of its own."""
-        count = len(triangles)
+    def of_rows(cls, vertices: Array, rows: Array) -> Polygons:
+        """Build from vertex indices (n, k) of polygons that all have k corners; each is a face of its own."""
+        count, sides = rows.shape
+        corner = np.ascontiguousarray(rows, np.int32).reshape(-1)
+        start = np.arange(0, sides * count + 1, sides, dtype=np.int32)
         return cls(
-            np.ascontiguousarray(vertices, dtype=np.float64),
-            np.ascontiguousarray(triangles, dtype=np.int32).reshape(-1),
-            np.arange(0, 3 * count + 1, 3, dtype=np.int32),
-            np.arange(count, dtype=np.int32),
+            np.ascontiguousarray(vertices, np.float64), corner, start, np.arange(count, dtype=np.int32)
         )
 
     def __len__(self) -> int:
@@ -73,26 +68,18 @@ class Polygons:
         return Polygons(vertices, corner.astype(np.int32), start.astype(np.int32), self.face[chosen])
 
     @cached_property
-    def _fan(self) -> tuple[Ints, Ints]:
-        """Vertex indices (n, 3) of all fan triangles, and the polygon (n,) each comes from."""
-        sides = np.diff(self.start)
-        if (sides == 3).all():
-            return self.corner.reshape(-1, 3), np.arange(len(self), dtype=np.int32)
-        polygon = np.repeat(np.arange(len(self), dtype=np.int32), sides - 2)
-        first = self.start[polygon]
-        step = np.arange(len(polygon)) - np.repeat(np.cumsum(sides - 2) - (sides - 2), sides - 2)
-        corners = np.stack([first, first + step + 1, first + step + 2], axis=1)
-        return self.corner[corners], polygon
-
-    @property
-    def triangle_vertex(self) -> Ints:
-        """Vertex indices (n, 3) of the fan triangles, polygon after polygon."""
-        return self._fan[0]
-
-    @property
     def triangle_polygon(self) -> Ints:
         """Polygon (n,) that each fan triangle comes from."""
-        return self._fan[1]
+        return np.repeat(np.arange(len(self), dtype=np.int32), np.diff(self.start) - 2)
+
+    @cached_property
+    def triangle_vertex(self) -> Ints:
+        """Vertex indices (n, 3) of the fan triangles, polygon after polygon."""
+        if len(self.corner) == 3 * len(self):
+            return self.corner.reshape(-1, 3)
+        # Every polygon before a triangle's own has two corners more than triangles.
+        corner = np.arange(len(self.triangle_polygon)) + 2 * self.triangle_polygon + 1
+        return self.corner[np.stack([self.start[self.triangle_polygon], corner, corner + 1], axis=1)]
 
     @cached_property
     def triangle_face(self) -> Ints:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from hsr.base.arrays import Floats
+from hsr.scene.shapes.lattice import halves, proper, wrapped
 from hsr.scene.shapes.polygons import Polygons
 from hsr.scene.shapes.shape import Kind, Quadric, Shape, arcs, circle
 
@@ -45,19 +47,12 @@ def polygons(segments: int) -> Polygons:
     """Cut the sphere into meridians and half as many circles of latitude."""
     rings = max(segments // 2, 2)
     latitude = np.pi * np.arange(1, rings) / rings
-    ring = np.sin(latitude)[:, None, None] * circle(segments)
-    height = np.broadcast_to(np.cos(latitude)[:, None, None], (rings - 1, segments, 1))
-    body = np.concatenate([ring, height], axis=2).reshape(-1, 3)
+    around = np.repeat(np.sin(latitude), segments)[:, None] * np.tile(circle(segments), (rings - 1, 1))
+    body = np.column_stack([around, np.repeat(np.cos(latitude), segments)])
     vertices = np.concatenate([[[0.0, 0.0, 1.0]], body, [[0.0, 0.0, -1.0]]])
-    south = len(vertices) - 1
 
-    loops: list[tuple[int, int, int]] = []
-    for j in range(segments):
-        k = (j + 1) % segments
-        loops.append((0, 1 + j, 1 + k))
-        for i in range(rings - 2):
-            upper, lower = 1 + i * segments, 1 + (i + 1) * segments
-            loops += [(upper + j, lower + j, lower + k), (upper + j, lower + k, upper + k)]
-        last = 1 + (rings - 2) * segments
-        loops.append((last + j, south, last + k))
-    return Polygons.of(vertices, loops, [0] * len(loops))
+    # A meridian is a row of the lattice, from pole to pole.
+    south = len(vertices) - 1
+    meridians = wrapped(np.arange(1, south).reshape(rings - 1, segments)).T
+    triangles = proper(halves(np.pad(meridians, ((0, 0), (1, 1)), constant_values=(0, south))))
+    return replace(Polygons.of_rows(vertices, triangles), face=np.zeros(len(triangles), np.int32))

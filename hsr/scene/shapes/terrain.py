@@ -41,7 +41,7 @@ def polygons(detail: int, roughness: float, height: float, seed: int) -> Polygon
     ground = np.linspace(-1.0, 1.0, side)
     x, z = np.meshgrid(ground, ground[::-1])
     index = np.arange(side * side, dtype=np.int32).reshape(side, side)
-    return Polygons.of_triangles(np.stack([x, y, z], axis=-1).reshape(-1, 3), halves(index))
+    return Polygons.of_rows(np.stack([x, y, z], axis=-1).reshape(-1, 3), halves(index))
 
 
 def _displaced(y: Floats, reach: float, random: np.random.Generator) -> Floats:

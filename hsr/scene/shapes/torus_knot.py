@@ -47,4 +47,4 @@ def polygons(p: int, q: int, segments: int, sides: int, thickness: float) -> Pol
     ring = np.cos(angle) * normal[:, None] + np.sin(angle) * binormal[:, None]
     vertices = (centre[:, None] + thickness * ring).reshape(-1, 3)
     index = np.arange(segments * sides, dtype=np.int32).reshape(segments, sides)
-    return Polygons.of_triangles(vertices, halves(np.pad(index, (0, 1), mode="wrap")))
+    return Polygons.of_rows(vertices, halves(np.pad(index, (0, 1), mode="wrap")))

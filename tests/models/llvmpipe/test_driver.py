@@ -30,7 +30,7 @@ def scene_of(triangles: list[Floats], camera: dict[str, Any], size: tuple[int, i
     seen = view(Scene.model_validate({"camera": [camera], "object": objects}), size)
     placements, first = [], 0
     for placement, corners in zip(seen.placements, triangles, strict=True):
-        polygons = Polygons.of_triangles(
+        polygons = Polygons.of_rows(
             np.reshape(corners, (-1, 3)).astype(np.float64), np.arange(3 * len(corners)).reshape(-1, 3)
         )
         placements.append(replace(placement, shape=Shape(Kind.MESH, "mesh", polygons), first=first))

@@ -102,6 +102,6 @@ def test_polygons_are_fans_about_their_first_corner() -> None:
 
 
 def test_triangles_are_their_own_fans() -> None:
-    polygons = Polygons.of_triangles(np.zeros((4, 3)), np.array([[0, 1, 2], [3, 2, 1]], dtype=np.int32))
+    polygons = Polygons.of_rows(np.zeros((4, 3)), np.array([[0, 1, 2], [3, 2, 1]], dtype=np.int32))
     assert polygons.triangle_vertex.tolist() == [[0, 1, 2], [3, 2, 1]]
     assert polygons.triangle_face.tolist() == [0, 1] and len(polygons) == 2
