@@ -15,7 +15,7 @@ import numpy as np
 
 from hsr.base.arrays import Floats
 from hsr.base.errors import ViewError
-from hsr.scene.model import Camera, Orthographic, Perspective, exact_determinant
+from hsr.scene.model import Camera, Orthographic, Perspective, exact_determinant, unit
 
 OBLIQUE = 2.0**-22
 """How far a z row may lean from the w row, relative to its largest entry.
@@ -121,16 +121,11 @@ def eye_of(projection: Projection) -> Floats:
 def _camera_from_world(camera: Perspective | Orthographic) -> Floats:
     """Rows: right, up, backward; the camera looks along -z of its own frame."""
     eye = np.array(camera.eye)
-    backward = _unit(eye - np.array(camera.target))
-    right = _unit(np.cross(_unit(np.array(camera.up)), backward))
+    backward = np.array(unit(eye - np.array(camera.target)))
+    right = np.array(unit(np.cross(unit(camera.up), backward)))
     axes = np.stack([right, np.cross(backward, right), backward])
     # Adding zero turns -0 into 0.
     return np.block([[axes, -(axes @ eye)[:, None]], [np.zeros((1, 3)), np.ones((1, 1))]]) + 0.0
-
-
-def _unit(vector: Floats) -> Floats:
-    """Scale to length 1; ``hypot`` neither over- nor underflows on the way."""
-    return vector / math.hypot(*vector)
 
 
 def _perspective(camera: Perspective, aspect: float) -> Projection:

@@ -233,17 +233,14 @@ def _polyhedron(thing: Polyhedron) -> Shape:
     return Shape(Kind.POLYHEDRON, thing.shape, Polygons.of(vertices, thing.faces), names)
 
 
-Version = tuple[int, int]
-"""When a file was modified, in nanoseconds, and its size: other numbers, another file."""
-
-
-def _version(path: Path) -> Version:
+def _version(path: Path) -> tuple[int, int]:
+    """Return when a file was modified, in nanoseconds, and its size: other numbers, another file."""
     found = path.stat()
     return found.st_mtime_ns, found.st_size
 
 
 @lru_cache(maxsize=128)
-def _mesh_of(path: Path, part: str | None, version: Version) -> Shape:
+def _mesh_of(path: Path, part: str | None, version: tuple[int, int]) -> Shape:
     """Read a mesh file, or one part of a glTF file."""
     if path.suffix.lower() in GLTF:
         return mesh_shape(_document(path, version).faces(part))
@@ -255,7 +252,7 @@ def _mesh_of(path: Path, part: str | None, version: Version) -> Shape:
 
 
 @lru_cache(maxsize=4)
-def _document(path: Path, version: Version) -> Document:  # noqa: ARG001 - the version is part of the key
+def _document(path: Path, version: tuple[int, int]) -> Document:  # noqa: ARG001 - the version is part of the key
     return Document(path)
 
 
@@ -296,21 +293,11 @@ def _fitted_camera(name: str, things: Sequence[Mesh], folder: Path) -> Perspecti
     radius = float(np.linalg.norm(corners - centre, axis=1).max()) or 1.0
     distance = MARGIN * radius / math.sin(math.radians(FITTED_FOV / 2.0))
     eye = centre + distance * np.array(OBLIQUE)
-    return Perspective.model_validate(
-        {
-            "type": "perspective",
-            "name": name,
-            "eye": eye.tolist(),
-            "target": centre.tolist(),
-            "fov": FITTED_FOV,
-            "fov_axis": "min",
-            "near": (distance - radius) / 2.0,
-        }
-    )
+    place = {"eye": eye, "target": centre, "near": (distance - radius) / 2.0}
+    return Perspective(type="perspective", name=name, fov=FITTED_FOV, fov_axis="min", **place)
 
 
 def _world_corners(thing: Mesh, folder: Path) -> Floats:
     """World positions of the vertices that faces use."""
     polygons = cast(Polygons, _shape(thing, folder).polygons)
-    used = polygons.vertices[np.unique(polygons.corner)]
-    return placed(used, compose(thing.transform)[:3])
+    return placed(polygons.used, compose(thing.transform)[:3])

@@ -220,14 +220,10 @@ def _steps(table: dict[str, Any]) -> tuple[Step, ...]:
     if "matrix" in table:
         columns = np.reshape(np.array(table["matrix"], dtype=np.float64), (4, 4))
         return (Step.model_validate({"matrix": columns.T.tolist()}),)
-    steps = []
-    if "scale" in table:
-        steps.append({"scale": table["scale"]})
     if "rotation" in table:
-        steps.append({"matrix": _rotation(table["rotation"])})
-    if "translation" in table:
-        steps.append({"translate": table["translation"]})
-    return tuple(Step.model_validate(step) for step in steps)
+        table = table | {"rotation": _rotation(table["rotation"])}
+    keys = {"scale": "scale", "rotation": "matrix", "translation": "translate"}
+    return tuple(Step.model_validate({key: table[word]}) for word, key in keys.items() if word in table)
 
 
 def _rotation(quaternion: Sequence[float]) -> list[list[float]]:

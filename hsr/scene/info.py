@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from functools import cache, partial
+from functools import cache
 from typing import Any, cast
 
 import numpy as np
@@ -137,7 +137,7 @@ def _object(
 ) -> dict[str, Any]:
     shape = shape_of(thing, scene.folder)
     matrices = [matrix for _, matrix in copies(thing)]
-    reach = _reach_of(shape)
+    reach = shape.solid.reach
     return {
         "name": thing.name,
         "shape": thing.shape,
@@ -147,7 +147,7 @@ def _object(
         "cull": thing.cull,
         "bounds": _box(np.array([np.transpose([reach(row) for row in matrix[:3]]) for matrix in matrices])),
         "culling": {
-            name: problem_of(shape) or _sight_problem(projection, shape, reach, matrices)
+            name: problem_of(shape) or _sight_problem(projection, shape, matrices)
             for name, projection in projections.items()
         },
     }
@@ -162,13 +162,13 @@ def _surface_problem(shape: Shape) -> str:
     return ""
 
 
-def _sight_problem(projection: Projection, shape: Shape, reach: Reach, matrices: Sequence[Floats]) -> str:
+def _sight_problem(projection: Projection, shape: Shape, matrices: Sequence[Floats]) -> str:
     """Say why a camera would see back faces of a solid: from its inside, or where the near plane cuts it.
 
     It is cut if it has points on both sides of the plane, wherever they are on the screen.
     """
     for k, matrix in enumerate(matrices):
-        low, high = reach(projection.depth_row @ matrix)
+        low, high = shape.solid.reach(projection.depth_row @ matrix)
         if low < projection.near < high:
             which = f" (copy {k})" if len(matrices) > 1 else ""
             if projection.perspective and _holds(shape, np.linalg.solve(matrix, [*eye_of(projection), 1.0])):
@@ -184,22 +184,6 @@ def _holds(shape: Shape, point: Floats) -> bool:
         return bool(point @ form @ point < 0.0 and (ends @ point > 0.0).all())
     polygons = cast(Polygons, shape.polygons)
     return winding_number(point[:3], polygons.vertices[polygons.triangle_vertex]) > 0.5
-
-
-Reach = Callable[[Floats], tuple[float, float]]
-"""From a row (4,) to the least and the greatest value of ``row @ (p, 1)`` over the points p of a shape."""
-
-
-def _reach_of(shape: Shape) -> Reach:
-    if shape.quadric is not None:
-        return shape.quadric.reach
-    polygons = cast(Polygons, shape.polygons)
-    return partial(_polygon_reach, polygons.vertices[np.unique(polygons.corner)])
-
-
-def _polygon_reach(points: Floats, row: Floats) -> tuple[float, float]:
-    values = points @ row[:3] + row[3]
-    return float(values.min()), float(values.max())
 
 
 def _box(boxes: Floats) -> dict[str, list[float]]:

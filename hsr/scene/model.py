@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable
 from fractions import Fraction
 from functools import reduce
 from operator import or_
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeVar, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeVar, get_args
 
+import numpy as np
 from flint import fmpq, fmpq_mat
 from pydantic import (
     AfterValidator,
@@ -49,12 +50,6 @@ def _exactly(count: int, what: str = "numbers") -> BeforeValidator:
     return BeforeValidator(check)
 
 
-def _printable(name: str) -> str:
-    if not name.isprintable():
-        raise ValueError("expected printable characters")
-    return name
-
-
 def _thrice(value: Any) -> Any:
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     return (value, value, value) if is_number else value
@@ -64,51 +59,66 @@ NUMBER: dict[str, Any] = {"type": "number"}
 THREE_NUMBERS: dict[str, Any] = {"type": "array", "items": NUMBER, "minItems": 3, "maxItems": 3}
 
 
-def _invertible(scale: Vector) -> Vector:
-    if 0.0 in scale:
-        raise ValueError("a scale of 0 makes the transform singular")
-    return scale
+def _that(holds: Callable[[Any], object], otherwise: str) -> AfterValidator:
+    """Refuse a value of which something does not hold."""
+
+    def check(value: Any) -> Any:
+        if not holds(value):
+            raise ValueError(otherwise)
+        return value
+
+    return AfterValidator(check)
 
 
-def _affine(matrix: Matrix) -> Matrix:
-    if matrix[3] != (0.0, 0.0, 0.0, 1.0):
-        raise ValueError("the last row of an affine matrix is [0, 0, 0, 1]")
-    if exact_determinant([row[:3] for row in matrix[:3]]) == 0:
-        raise ValueError("the matrix is singular: it flattens the object")
-    return matrix
+def exact_determinant(matrix: Any) -> Fraction:
+    """Return the determinant of a square matrix of floats, without rounding.
 
-
-def _somewhere(direction: Vector) -> Vector:
-    if not any(direction):
-        raise ValueError("a direction of length 0 points nowhere")
-    return direction
+    >>> exact_determinant([[1.0, 2.0], [0.5, 1.0]])
+    Fraction(0, 1)
+    """
+    determinant = fmpq_mat([[fmpq(*x.as_integer_ratio()) for x in row] for row in matrix]).det()
+    return Fraction(int(determinant.p), int(determinant.q))
 
 
 Entry = TypeVar("Entry")
 List = Annotated[tuple[Entry, ...], BeforeValidator(_as_tuple)]
 Vector = Annotated[tuple[float, float, float], _exactly(3)]
-Direction = Annotated[Vector, AfterValidator(_somewhere)]
+Direction = Annotated[Vector, _that(any, "a direction of length 0 points nowhere")]
 Scale = Annotated[
     Vector,
     BeforeValidator(_thrice),
-    AfterValidator(_invertible),
+    _that(all, "a scale of 0 makes the transform singular"),
     WithJsonSchema({"anyOf": [NUMBER, THREE_NUMBERS]}),
 ]
 Row = Annotated[tuple[float, float, float, float], _exactly(4)]
 Matrix = Annotated[tuple[Row, Row, Row, Row], _exactly(4, "rows")]
-Affine = Annotated[Matrix, AfterValidator(_affine)]
+Invertible = Annotated[Matrix, _that(exact_determinant, "the matrix is singular: it flattens the world")]
+Affine = Annotated[
+    Matrix,
+    _that(lambda rows: rows[3] == (0.0, 0.0, 0.0, 1.0), "the last row of an affine matrix is [0, 0, 0, 1]"),
+    _that(exact_determinant, "the matrix is singular: it flattens the object"),
+]
 Channel = Annotated[float, Field(ge=0.0, le=1.0)]
 Colour = Annotated[tuple[Channel, Channel, Channel], _exactly(3)]
 Loop = Annotated[List[int], Field(min_length=3)]
 Triangle = Annotated[tuple[int, int, int], _exactly(3, "vertex indices")]
 Pair = Annotated[tuple[float, float], _exactly(2)]
-Name = Annotated[str, Field(min_length=1, max_length=80), AfterValidator(_printable)]
+Printable = _that(str.isprintable, "expected printable characters")
+Name = Annotated[str, Field(min_length=1, max_length=80), Printable]
 
 
 class Description(BaseModel):
     """Base of every part of a scene file: frozen, strict, no unknown key, no NaN."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        self._check()
+        return self
+
+    def _check(self) -> None:
+        """Raise a ``ValueError`` if values that are right by themselves do not fit together."""
 
 
 # ---------------------------------------------------------------- cameras
@@ -149,30 +159,29 @@ def _problem(detail: Any) -> str:
 class Placed(AnyCamera):
     """What perspective and orthographic cameras share: where they stand and look."""
 
+    if TYPE_CHECKING:
+        near: float
+        far: Any
     eye: Vector
     target: Vector = (0.0, 0.0, 0.0)
     up: Vector = (0.0, 1.0, 0.0)
 
-    @model_validator(mode="after")
-    def _has_a_direction(self) -> Placed:
+    def _check(self) -> None:
         if self.eye == self.target:
             raise ValueError("eye and target must differ")
-        forward = _unit([t - e for t, e in zip(self.target, self.eye, strict=True)])
+        forward = unit([t - e for t, e in zip(self.target, self.eye, strict=True)])
         # Each unit vector is off by at most 2 u, each product and difference of the cross product
         # adds u: less than 8 u in all, with u = 2^-53. NaN, from numbers that overflow, fails too.
-        if not math.hypot(*_cross(forward, _unit(self.up))) > 2.0**-50:
+        if not math.hypot(*np.cross(forward, unit(self.up))) > 2.0**-50:
             raise ValueError("up must not be zero nor point along the view axis")
-        return self
+        if self.far is not None and self.far <= self.near:
+            raise ValueError(f"far ({self.far}) must be greater than near ({self.near})")
 
 
-def _unit(a: Sequence[float]) -> list[float]:
-    length = math.hypot(*a)
-    return [x / length if length else 0.0 for x in a]
-
-
-def _cross(a: Sequence[float], b: Sequence[float]) -> list[float]:
-    # Two places before k and one before it are, in a ring of three, the two that follow.
-    return [a[k - 2] * b[k - 1] - a[k - 1] * b[k - 2] for k in range(3)]
+def unit(vector: Any) -> list[float]:
+    """Scale to length 1, unless it is 0; ``hypot`` neither over- nor underflows on the way."""
+    length = math.hypot(*vector)
+    return [x / length if length else 0.0 for x in vector]
 
 
 class Perspective(Placed):
@@ -184,12 +193,6 @@ class Perspective(Placed):
     near: PositiveFloat = 0.1
     far: PositiveFloat | None = None
 
-    @model_validator(mode="after")
-    def _near_before_far(self) -> Perspective:
-        if self.far is not None and self.far <= self.near:
-            raise ValueError(f"far ({self.far}) must be greater than near ({self.near})")
-        return self
-
 
 class Orthographic(Placed):
     """A parallel camera; ``height`` is that of the viewed volume, in scene units."""
@@ -199,12 +202,6 @@ class Orthographic(Placed):
     near: float = 0.0
     far: float
 
-    @model_validator(mode="after")
-    def _near_before_far(self) -> Orthographic:
-        if self.far <= self.near:
-            raise ValueError(f"far ({self.far}) must be greater than near ({self.near})")
-        return self
-
 
 class MatrixCamera(AnyCamera):
     """A camera given by its 4x4 matrix from world to clip space, in OpenGL's convention.
@@ -213,30 +210,13 @@ class MatrixCamera(AnyCamera):
     """
 
     type: Literal["matrix"]
-    matrix: Matrix
-
-    @field_validator("matrix")
-    @classmethod
-    def _is_invertible(cls, matrix: Matrix) -> Matrix:
-        if exact_determinant(matrix) == 0:
-            raise ValueError("the matrix is singular: it flattens the world")
-        return matrix
+    matrix: Invertible
 
 
 Camera = Annotated[Perspective | Orthographic | MatrixCamera, Field(discriminator="type")]
 
 
 # ---------------------------------------------------------------- objects
-
-
-def exact_determinant(matrix: Any) -> Fraction:
-    """Return the determinant of a square matrix of floats, without rounding.
-
-    >>> exact_determinant([[1.0, 2.0], [0.5, 1.0]])
-    Fraction(0, 1)
-    """
-    determinant = fmpq_mat([[fmpq(*x.as_integer_ratio()) for x in row] for row in matrix]).det()
-    return Fraction(int(determinant.p), int(determinant.q))
 
 
 class Step(Description):
@@ -256,11 +236,9 @@ class Step(Description):
     rotate_z: float | None = None
     matrix: Affine | None = None
 
-    @model_validator(mode="after")
-    def _exactly_one_key(self) -> Step:
+    def _check(self) -> None:
         if len(self.given) != 1:
             raise ValueError(f"a step has exactly one key of {', '.join(type(self).model_fields)}")
-        return self
 
     @property
     def given(self) -> dict[str, Any]:
@@ -282,13 +260,11 @@ class Scatter(Description):
     scale: Pair = (1.0, 1.0)
     seed: Annotated[int, Field(ge=0)] = 0
 
-    @model_validator(mode="after")
-    def _ranges_are_ordered(self) -> Scatter:
+    def _check(self) -> None:
         if self.x[0] > self.x[1] or self.z[0] > self.z[1]:
             raise ValueError("x and z are ranges [low, high]")
         if not 0.0 < self.scale[0] <= self.scale[1]:
             raise ValueError("scale is a range [low, high] with 0 < low <= high")
-        return self
 
 
 class Thing(Description):
@@ -350,10 +326,8 @@ class Polyhedron(Thing):
     vertices: Annotated[List[Vector], Field(min_length=4)]
     faces: Annotated[List[Loop], Field(min_length=4)]
 
-    @model_validator(mode="after")
-    def _indices_exist(self) -> Polyhedron:
+    def _check(self) -> None:
         _check_indices(self.faces, self.vertices)
-        return self
 
 
 class Mesh(Thing):
@@ -368,15 +342,13 @@ class Mesh(Thing):
     vertices: List[Vector] | None = None
     faces: List[Triangle] | None = None
 
-    @model_validator(mode="after")
-    def _one_source(self) -> Mesh:
+    def _check(self) -> None:
         given = [self.file is None, self.vertices is not None, self.faces is not None]
         if any(given) != all(given):
             raise ValueError("a mesh has either file, or both vertices and faces")
         if self.file is None and self.part is not None:
             raise ValueError("part names a part of a file; leave it out")
         _check_indices(self.faces or (), self.vertices or ())
-        return self
 
 
 class Teapot(Thing):
@@ -399,11 +371,9 @@ class TorusKnot(Thing):
     sides: Annotated[int, Field(ge=3, le=256)] = 16
     thickness: PositiveFloat = 0.35
 
-    @model_validator(mode="after")
-    def _is_a_knot(self) -> TorusKnot:
+    def _check(self) -> None:
         if math.gcd(self.p, self.q) != 1:
             raise ValueError(f"p ({self.p}) and q ({self.q}) must have no common factor")
-        return self
 
 
 class Terrain(Thing):

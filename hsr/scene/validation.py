@@ -63,22 +63,18 @@ def shown(value: object) -> str:
 
 
 def _line(detail: ErrorDetails) -> str:
-    keys = _without_tag(detail["loc"])
-    if detail["type"] == "union_tag_invalid":
-        keys.append(TAGGED[str(keys[0])][1])
-    path, what = _path(keys), _what(detail)
+    path, what = _path(detail), _what(detail)
     return f"{path}: {what}" if path else what
 
 
-def _without_tag(loc: Sequence[int | str]) -> list[int | str]:
-    """Drop the kind that pydantic adds after ``object[k]``; it is no key of the file."""
-    tagged = len(loc) > 2 and loc[0] in TAGGED
-    return [*loc[:2], *loc[3:]] if tagged else list(loc)
-
-
-def _path(keys: Sequence[int | str]) -> str:
-    text = "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in keys)
-    return text.removeprefix(".")
+def _path(detail: ErrorDetails) -> str:
+    """Write the keys, without the kind that pydantic adds after ``object[k]``: it is no key of the file."""
+    keys = list(detail["loc"])
+    if keys and keys[0] in TAGGED:
+        del keys[2:3]
+    if detail["type"] == "union_tag_invalid":
+        keys.append(TAGGED[str(keys[0])][1])
+    return "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in keys).removeprefix(".")
 
 
 def _what(detail: ErrorDetails) -> str:

@@ -68,6 +68,16 @@ class Polygons:
         return Polygons(vertices, corner.astype(np.int32), start.astype(np.int32), self.face[chosen])
 
     @cached_property
+    def used(self) -> Floats:
+        """The vertices (n, 3) that are corners."""
+        return np.asarray(self.vertices[np.unique(self.corner)])
+
+    def reach(self, row: Floats) -> tuple[float, float]:
+        """Return the least and the greatest value of ``row @ (p, 1)`` over all points p."""
+        values = self.used @ row[:3] + row[3]
+        return float(values.min()), float(values.max())
+
+    @cached_property
     def triangle_polygon(self) -> Ints:
         """Polygon (n,) that each fan triangle comes from."""
         return np.repeat(np.arange(len(self), dtype=np.int32), np.diff(self.start) - 2)

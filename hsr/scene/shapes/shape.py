@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property, lru_cache
+from typing import cast
 
 import numpy as np
 
@@ -98,6 +99,11 @@ class Shape:
     def curved(self) -> bool:
         """Whether the shape has faces that are not planar."""
         return self.quadric is not None
+
+    @property
+    def solid(self) -> Quadric | Polygons:
+        """What bounds it."""
+        return self.quadric or cast(Polygons, self.polygons)
 
     @property
     def faces(self) -> int:
