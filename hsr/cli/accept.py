@@ -7,7 +7,7 @@ from typing import Annotated
 
 from typer import Argument, Option
 
-from hsr.cli.console import say
+from hsr.cli import common as cli
 
 
 def accept(
@@ -17,4 +17,4 @@ def accept(
     """Replace baselines of tests as decided in the page of a test run; run it in the project's root."""
     from hsr.testing.accepting import apply
 
-    say(*apply(decisions, results, Path()))
+    cli.say(*apply(decisions, results, Path()))

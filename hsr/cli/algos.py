@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import hsr
-from hsr.cli import options as opt
-from hsr.cli.console import print_json, print_table
+from hsr.cli import common as cli
 
 
-def algos(as_json: opt.Json = False) -> None:
+def algos(as_json: cli.Json = False) -> None:
     """List the methods."""
     known = hsr.methods().values()
     if as_json:
         rows = [{"name": m.name, "about": m.about, "curved": m.curved, "needs": m.needs} for m in known]
-        print_json({"hsr": 1, "methods": rows})
+        cli.print_json({"hsr": 1, "methods": rows})
     else:
         cells = [(m.name, "exact" if m.curved else "tessellated", m.needs or "-", m.about) for m in known]
-        print_table(("method", "curved shapes", "needs", "what it does"), cells, right=())
+        cli.print_table(("method", "curved shapes", "needs", "what it does"), cells, right=())

@@ -15,17 +15,16 @@ from typer import Exit, Option, Typer
 
 from hsr import __version__
 from hsr.base.errors import HsrError, UnavailableError
+from hsr.cli import common as cli
 from hsr.cli.accept import accept
 from hsr.cli.algos import algos
 from hsr.cli.bench import bench_app
 from hsr.cli.compare import compare
-from hsr.cli.console import err, out, say
 from hsr.cli.diff import diff
 from hsr.cli.doctor import doctor
 from hsr.cli.explain import explain
 from hsr.cli.gallery import gallery
 from hsr.cli.lesson import lesson
-from hsr.cli.options import MISSING, MISTAKE, USAGE
 from hsr.cli.render import render
 from hsr.cli.scene import scene_app
 from hsr.cli.shrink import shrink
@@ -50,21 +49,21 @@ def main() -> None:
     try:
         app()
     except HsrError as error:
-        _fail(str(error), MISSING if isinstance(error, UnavailableError) else USAGE)
+        _fail(str(error), cli.MISSING if isinstance(error, UnavailableError) else cli.USAGE)
     except Exception as error:
         place = traceback.extract_tb(error.__traceback__)[-1]
         what = f"{type(error).__name__}: {error} ({place.filename}:{place.lineno})"
-        _fail(f"a mistake of the program, please report it: {what}", MISTAKE)
+        _fail(f"a mistake of the program, please report it: {what}", cli.MISTAKE)
 
 
 def _fail(text: str, code: int) -> None:
-    say(*(f"hsr: {line}" for line in text.splitlines()), to=err)
+    cli.say(*(f"hsr: {line}" for line in text.splitlines()), to=cli.err)
     sys.exit(code)
 
 
 def _version(wanted: bool) -> None:
     if wanted:
-        out.print(f"hsr {__version__}")
+        cli.out.print(f"hsr {__version__}")
         raise Exit
 
 

@@ -12,8 +12,7 @@ from typer import Argument, Exit, Option, Typer
 import hsr
 from hsr.base.errors import HsrError
 from hsr.base.files import write_whole
-from hsr.cli import options as opt
-from hsr.cli.console import err, out, print_json, print_table, progress, say
+from hsr.cli import common as cli
 
 if TYPE_CHECKING:
     from hsr.lab.speed import Case
@@ -22,16 +21,15 @@ if TYPE_CHECKING:
 SCENES = ("teapot", "menger", "solids")
 """The built-in scenes that are measured if none is named: a mesh, a deep one, one with curved shapes."""
 
-
 BUSY = "Other programs were busy: measure again on a quiet machine before you trust the times."
 
 bench_app = Typer(
-    cls=opt.RunByDefault,
+    cls=cli.RunByDefault,
     help="Measure how fast methods are, and how wrong. 'hsr bench SCENE...' means 'hsr bench run SCENE...'.",
 )
 
 Folder = Annotated[
-    Path | None, opt.output("Write results, tables and charts into this folder.", metavar="DIR")
+    Path | None, cli.output("Write results, tables and charts into this folder.", metavar="DIR")
 ]
 Quick = Annotated[bool, Option("--quick", help="Small pictures and few turns.")]
 
@@ -42,14 +40,14 @@ Quick = Annotated[bool, Option("--quick", help="Small pictures and few turns.")]
 @bench_app.command()
 def run(
     scenes: Annotated[list[Path] | None, Argument(help="Scenes or mesh files.")] = None,
-    method: opt.Methods = None,
-    size: Annotated[opt.Texts, Option(help="Image size in pixels, N or WxH, repeatable; 512.")] = None,
-    cull: Annotated[opt.Texts, Option(help="none or back, repeatable; as the scene says by default.")] = None,
+    method: cli.Methods = None,
+    size: Annotated[cli.Texts, Option(help="Image size in pixels, N or WxH, repeatable; 512.")] = None,
+    cull: Annotated[cli.Texts, Option(help="none or back, repeatable; as the scene says by default.")] = None,
     repeat: Annotated[int | None, Option(min=3, help="Turns of every method; 15.")] = None,
     quick: Quick = False,
     output: Folder = None,
-    as_json: opt.Json = False,
-    quiet: opt.Quiet = False,
+    as_json: cli.Json = False,
+    quiet: cli.Quiet = False,
 ) -> None:
     """Judge and time methods on scenes or meshes: speed against error.
 
@@ -60,20 +58,20 @@ def run(
     """
     from hsr.lab.speed import PATIENCE
 
-    sizes = [opt.parse_size(text) for text in size or (["128"] if quick else ["512"])]
+    sizes = [cli.parse_size(text) for text in size or (["128"] if quick else ["512"])]
     cases = _cases(scenes or _built_in(), sizes, cull or ["scene"])
-    patience = math.inf if opt.named(method) else PATIENCE
+    patience = math.inf if cli.named(method) else PATIENCE
     _measure(cases, method, repeat or (5 if quick else 15), output, as_json, quiet, patience=patience)
 
 
 @bench_app.command()
 def scaling(
-    method: opt.Methods = None,
+    method: cli.Methods = None,
     repeat: Annotated[int, Option(min=3, help="Turns of every method.")] = 5,
     quick: Quick = False,
     output: Folder = None,
-    as_json: opt.Json = False,
-    quiet: opt.Quiet = False,
+    as_json: cli.Json = False,
+    quiet: cli.Quiet = False,
 ) -> None:
     """Measure how times grow with triangles, pixels, layers behind each other, and copies."""
     from hsr.lab.scaling import measured_cases
@@ -107,7 +105,7 @@ def _cases(paths: list[Path], sizes: list[tuple[int, int]], culls: list[str]) ->
 
 
 def _measure(
-    cases: list[Case], method: opt.Texts, turns: int, output: Path | None, json: bool, quiet: bool, **how: Any
+    cases: list[Case], method: cli.Texts, turns: int, output: Path | None, json: bool, quiet: bool, **how: Any
 ) -> None:
     """Measure, publish what was found if a folder is named, and print it."""
     from hsr.algorithms.registry import method_named
@@ -116,12 +114,12 @@ def _measure(
     from hsr.lab.scaling import growth, sentences
     from hsr.lab.speed import measure
 
-    names = opt.names(method)
+    names = cli.names(method)
     for name in names:
         method_named(name)
     if output is not None:
         make_folder(output)
-    with progress(quiet, len(cases) * (turns + 1)) as step:
+    with cli.progress(quiet, len(cases) * (turns + 1)) as step:
         found = measure(cases, names, turns, progress=step, **how)
     notes = [] if output is None else [f"wrote {path}" for path in publish(found, output)]
     if json:
@@ -129,15 +127,15 @@ def _measure(
     else:
         for table in tables(found):
             _print_table(table)
-        say(*sentences(growth(found)))
+        cli.say(*sentences(growth(found)))
         notes += [conditions(found), *[BUSY] * ((found.foreign_load or 0.0) > NOTABLE_LOAD)]
     if not quiet:
-        say(*notes, to=err)
+        cli.say(*notes, to=cli.err)
 
 
 def _print_table(table: Table) -> None:
-    print_table(*table)
-    out.print()
+    cli.print_table(*table)
+    cli.out.print()
 
 
 # ---------------------------------------------------------------- compare
@@ -148,11 +146,11 @@ def compare(
     before: Annotated[Path, Argument(metavar="A.json", help="Results of the earlier run.")],
     after: Annotated[Path, Argument(metavar="B.json", help="Results of the later run.")],
     fail: Annotated[
-        opt.Text, Option(metavar="median:N%", help="Exit 1 if a row is slower by more, beyond the noise.")
+        cli.Text, Option(metavar="median:N%", help="Exit 1 if a row is slower by more, beyond the noise.")
     ] = None,
-    output: Annotated[Path | None, opt.output("Write the changes: .csv or .md, by the ending.")] = None,
-    as_json: opt.Json = False,
-    quiet: opt.Quiet = False,
+    output: Annotated[Path | None, cli.output("Write the changes: .csv or .md, by the ending.")] = None,
+    as_json: cli.Json = False,
+    quiet: cli.Quiet = False,
 ) -> None:
     """Compare two runs row by row, with the noise band of every ratio.
 
@@ -166,7 +164,7 @@ def compare(
     limit = regression.LIMIT if fail is None else regression.limit_of(fail)
     if output is not None and output.suffix not in (".csv", ".md"):
         raise HsrError(f"{output}: changes are written as .csv or .md")
-    opt.check_folder(output)
+    cli.check_folder(output)
     a, b = load_results(before), load_results(after)
     found = regression.changes(a, b, limit)
     table = regression.table(found, f"{after} against {before}")
@@ -174,11 +172,11 @@ def compare(
         text = table.csv() if output.suffix == ".csv" else table.markdown() + "\n"
         write_whole(output, text, "the changes")
     if as_json:
-        print_json({"hsr": 1, "limit": limit, "changes": [asdict(change) for change in found]})
+        cli.print_json({"hsr": 1, "limit": limit, "changes": [asdict(change) for change in found]})
     else:
         _print_table(table)
     if not quiet:
-        say(*regression.warnings(a, b), to=err)
+        cli.say(*regression.warnings(a, b), to=cli.err)
     failing = regression.FAILURES if fail is None else (*regression.FAILURES, regression.SLOWER)
     if any(change.verdict in failing for change in found):
-        raise Exit(opt.DIFFERS)
+        raise Exit(cli.DIFFERS)

@@ -12,24 +12,23 @@ from typer import BadParameter, Exit, Option
 
 import hsr
 from hsr.base.errors import HsrError, UnavailableError
-from hsr.cli import options as opt
-from hsr.cli.console import milliseconds, out, print_json, print_table, progress, say
 
 if TYPE_CHECKING:
     from hsr.difference.study import Study
+from hsr.cli import common as cli
 
 
 def compare(
-    scenes: opt.SceneFiles,
-    method: opt.Methods = None,
+    scenes: cli.SceneFiles,
+    method: cli.Methods = None,
     ref: Annotated[str, Option(help="Reference method.")] = "exact",
-    size: opt.Size = "512x512",
-    camera: opt.CameraName = None,
-    output: Annotated[Path | None, opt.output("Write the report, .html.")] = None,
-    fail_on: Annotated[opt.Text, Option(help="Classes of difference, comma separated: then exit 1.")] = None,
-    as_json: opt.Json = False,
-    quiet: opt.Quiet = False,
-    verbose: opt.Verbose = False,
+    size: cli.Size = "512x512",
+    camera: cli.CameraName = None,
+    output: Annotated[Path | None, cli.output("Write the report, .html.")] = None,
+    fail_on: Annotated[cli.Text, Option(help="Classes of difference, comma separated: then exit 1.")] = None,
+    as_json: cli.Json = False,
+    quiet: cli.Quiet = False,
+    verbose: cli.Verbose = False,
 ) -> None:
     """Render scenes by many methods and compare every visibility map with the reference.
 
@@ -39,15 +38,15 @@ def compare(
     """
     from hsr.difference.study import study
 
-    opt.check_folder(output)
+    cli.check_folder(output)
     forbidden = _classes(fail_on or "")
     loaded = [(path, hsr.load(path)) for path in scenes]
-    asked, names = opt.named(method), opt.names(method)
+    asked, names = cli.named(method), cli.names(method)
     studies = []
-    with progress(quiet, len(loaded) * (len({*names, ref}) + (output is not None))) as step:
+    with cli.progress(quiet, len(loaded) * (len({*names, ref}) + (output is not None))) as step:
         for path, scene in loaded:
             how = partial(study, name=path.stem, patient=bool(asked), progress=step)
-            studies.append(how(scene, names, ref, opt.parse_size(size), camera))
+            studies.append(how(scene, names, ref, cli.parse_size(size), camera))
         for found in studies:
             # What is missing here and was asked for by name is no mere skipped column.
             for name in found.missing.intersection([*asked, ref]):
@@ -57,16 +56,16 @@ def compare(
 
             write_report(studies, output, progress=step)
     if as_json:
-        print_json({"hsr": 1, "studies": [found.to_json() for found in studies]})
+        cli.print_json({"hsr": 1, "studies": [found.to_json() for found in studies]})
     else:
         _print(studies, verbose)
         if output is not None:
-            say(f"report: {output}")
+            cli.say(f"report: {output}")
     if forbidden:
         _require_judged(studies, {*asked, ref})
     differences = [difference for found in studies for difference in found.differences.values()]
     if any(difference.counts[name] for difference in differences for name in forbidden):
-        raise Exit(opt.DIFFERS)
+        raise Exit(cli.DIFFERS)
 
 
 def _classes(text: str) -> list[str]:
@@ -103,12 +102,12 @@ def _print_study(found: Study, verbose: bool) -> None:
 
     title = f"{found.name}, {found.view.width}x{found.view.height}, against {found.reference or 'nothing'}"
     head = ("method", "differ", *DIFFERENT, "largest cluster", "render")
-    print_table(head, [_cells(found, name) for name in found.methods], title=title)
-    say(*(f"{name}: {_counted(why.counts)}" for name, why in found.causes.items() if why.wrong))
-    say(*(f"{name}: {reason}" for name, reason in found.skipped.items()))
+    cli.print_table(head, [_cells(found, name) for name in found.methods], title=title)
+    cli.say(*(f"{name}: {_counted(why.counts)}" for name, why in found.causes.items() if why.wrong))
+    cli.say(*(f"{name}: {reason}" for name, reason in found.skipped.items()))
     if verbose:
-        say(*(difference.summary() for difference in found.differences.values()))
-    out.print()
+        cli.say(*(difference.summary() for difference in found.differences.values()))
+    cli.out.print()
 
 
 def _cells(found: Study, name: str) -> tuple[str, ...]:
@@ -116,7 +115,7 @@ def _cells(found: Study, name: str) -> tuple[str, ...]:
 
     if name in found.skipped:
         return (name, _absence(found, name))
-    time = milliseconds(found.maps[name].seconds)
+    time = cli.milliseconds(found.maps[name].seconds)
     if name not in found.differences:
         return (name, "reference" if name == found.reference else "-", *[""] * (len(DIFFERENT) + 1), time)
     difference = found.differences[name]
@@ -134,11 +133,10 @@ def _print_sum(studies: Sequence[Study]) -> None:
     title = f"{len(studies)} scenes, samples that show another face than {references}"
     names = dict.fromkeys(name for found in studies for name in found.methods)
     rows = [_sum_cells([found for found in studies if name in found.methods], name) for name in names]
-    print_table(
-        ("method", "scenes", "differ", "share", "most of them in", "causes", "render"), rows, title=title
-    )
+    head = ("method", "scenes", "differ", "share", "most of them in", "causes", "render")
+    cli.print_table(head, rows, title=title)
     if any(found.reference in found.tessellating for found in studies):
-        out.print("Methods that keep curved shapes exact rightly differ along the outlines of polygons.")
+        cli.out.print("Methods that keep curved shapes exact rightly differ along the outlines of polygons.")
 
 
 def _sum_cells(studies: Sequence[Study], name: str) -> tuple[str, ...]:

@@ -13,8 +13,7 @@ from typing import Any
 
 import hsr
 from hsr.base.errors import HsrError
-from hsr.cli import options as opt
-from hsr.cli.console import tell
+from hsr.cli import common as cli
 
 PACKAGES = (
     *("hsr-lab", "numpy", "numba", "scipy", "python-flint", "moderngl", "glcontext"),
@@ -38,10 +37,10 @@ SCENE = {
 """A cube that a wall cuts through: some faces hide others, and two surfaces meet."""
 
 
-def doctor(as_json: opt.Json = False) -> None:
+def doctor(as_json: cli.Json = False) -> None:
     """Try every OpenGL backend and optional library, and say what to install."""
     found = diagnose()
-    tell(as_json, found, lines(found))
+    cli.tell(as_json, found, lines(found))
 
 
 def diagnose() -> dict[str, Any]:
@@ -59,16 +58,13 @@ def diagnose() -> dict[str, Any]:
 
     from hsr.lab.machine import version_of
 
+    threads = {"processors": os.cpu_count(), "numba": get_num_threads()}
     found = {
         "hsr": 1,
         "python": platform.python_version(),
         "platform": platform.platform(),
         "packages": {name: version_of(name) for name in PACKAGES},
-        "threads": {
-            "processors": os.cpu_count(),
-            "numba": get_num_threads(),
-            "LP_NUM_THREADS": os.environ.get("LP_NUM_THREADS"),
-        },
+        "threads": threads | {"LP_NUM_THREADS": os.environ.get("LP_NUM_THREADS")},
         "opengl": {backend: _probe_apart(backend) for backend in ("osmesa", "egl")},
         "embree": version_of("embreex"),
         "browser": next(filter(None, map(shutil.which, BROWSERS)), None),

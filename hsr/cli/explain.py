@@ -11,29 +11,28 @@ from typer import Option
 
 import hsr
 from hsr.base.errors import UnavailableError
-from hsr.cli import options as opt
-from hsr.cli.console import tell
+from hsr.cli import common as cli
 
 
 def explain(
-    scene: opt.SceneFile,
-    sample: opt.Sample,
-    method: opt.Methods = None,
+    scene: cli.SceneFile,
+    sample: cli.Sample,
+    method: cli.Methods = None,
     map: Annotated[list[Path] | None, Option(help="Map to explain, .npz, repeatable.")] = None,
-    size: opt.Size = "512x512",
-    camera: opt.CameraName = None,
-    as_json: opt.Json = False,
+    size: cli.Size = "512x512",
+    camera: cli.CameraName = None,
+    as_json: cli.Json = False,
 ) -> None:
     """Tell what lies on one line of sight, and why each method or map shows what it shows.
 
     Without -a and --map zbuffer, raycast and, where it runs, opengl are asked.
     """
-    view = hsr.view(hsr.load(scene), opt.parse_size(size), camera)
-    column, row = opt.parse_sample(sample, view)
+    view = hsr.view(hsr.load(scene), cli.parse_size(size), camera)
+    column, row = cli.parse_sample(sample, view)
     given = [hsr.load_map(file) for file in map or ()]
     asked = given if given and not method else [*given, *_maps(view, method)]
     told = hsr.history(view, row, column, asked)
-    tell(as_json, {"hsr": 1, "scene": str(scene), **told.to_json()}, [str(told)])
+    cli.tell(as_json, {"hsr": 1, "scene": str(scene), **told.to_json()}, [str(told)])
 
 
 def _maps(view: hsr.View, asked: Sequence[str] | None) -> list[hsr.VisibilityMap]:

@@ -10,16 +10,15 @@ from typer import Argument, Option
 import hsr
 from hsr.base.errors import HsrError
 from hsr.base.files import make_folder
-from hsr.cli import options as opt
-from hsr.cli.console import progress, say
+from hsr.cli import common as cli
 
 
 def gallery(
     scenes: Annotated[list[Path], Argument(help="Scene files.")],
-    output: Annotated[Path, opt.output("Folder to write.")],
-    size: opt.Size = "256x256",
-    turn: Annotated[opt.Texts, Option(help="Scene, by its name, to show turning; repeatable.")] = None,
-    quiet: opt.Quiet = False,
+    output: Annotated[Path, cli.output("Folder to write.")],
+    size: cli.Size = "256x256",
+    turn: Annotated[cli.Texts, Option(help="Scene, by its name, to show turning; repeatable.")] = None,
+    quiet: cli.Quiet = False,
 ) -> None:
     """Write a page of scenes: what each looks like, what it shows, which methods are right on it."""
     from hsr.pages.gallery import write_gallery
@@ -28,6 +27,6 @@ def gallery(
     for name in turn or ():
         if name not in loaded:
             raise HsrError(f"--turn {name}: no such scene is given; there are {', '.join(loaded)}")
-    with progress(quiet, len(loaded)) as step:
-        write_gallery(loaded, make_folder(output), opt.parse_size(size), turn or (), step)
-    say(f"wrote {output}")
+    with cli.progress(quiet, len(loaded)) as step:
+        write_gallery(loaded, make_folder(output), cli.parse_size(size), turn or (), step)
+    cli.say(f"wrote {output}")

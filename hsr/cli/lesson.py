@@ -10,14 +10,13 @@ import typer
 import hsr
 from hsr.base.errors import HsrError
 from hsr.base.files import make_folder
-from hsr.cli import options as opt
-from hsr.cli.console import say
+from hsr.cli import common as cli
 
 
 def lesson(
     topic: Annotated[str | None, typer.Argument(help="What it is about; an unknown one lists all.")] = None,
     scene: Annotated[Path | None, typer.Argument(help="Scene in place of the lesson's own.")] = None,
-    output: Annotated[Path | None, opt.output("Page to write, .html; with --all a folder.")] = None,
+    output: Annotated[Path | None, cli.output("Page to write, .html; with --all a folder.")] = None,
     course: Annotated[bool, typer.Option("--all", help="All lessons, and a page that lists them.")] = False,
 ) -> None:
     """Write a lesson: the real algorithm on a small picture, step by step, as one HTML page."""
@@ -32,6 +31,6 @@ def lesson(
         write_course(topics(), make_folder(output))
     else:
         chosen = topic_named(topic)
-        opt.check_folder(output)
+        cli.check_folder(output)
         write_lesson(chosen, output, None if scene is None else hsr.load(scene))
-    say(f"wrote {output}")
+    cli.say(f"wrote {output}")

@@ -9,20 +9,19 @@ from typing import Annotated, Any
 from typer import Argument, Option
 
 import hsr
-from hsr.cli import options as opt
-from hsr.cli.console import milliseconds, print_json, print_table, progress, say
+from hsr.cli import common as cli
 
 
 def render(
     scene: Annotated[Path, Argument(help="Scene (TOML, JSON) or mesh file.")],
-    method: opt.Methods = None,
-    size: opt.Size = "512x512",
-    camera: opt.CameraName = None,
-    output: Annotated[Path | None, opt.output("Write the map, .npz.")] = None,
+    method: cli.Methods = None,
+    size: cli.Size = "512x512",
+    camera: cli.CameraName = None,
+    output: Annotated[Path | None, cli.output("Write the map, .npz.")] = None,
     png: Annotated[Path | None, Option(help="Write the shaded picture.")] = None,
-    as_json: opt.Json = False,
-    quiet: opt.Quiet = False,
-    verbose: opt.Verbose = False,
+    as_json: cli.Json = False,
+    quiet: cli.Quiet = False,
+    verbose: cli.Verbose = False,
 ) -> None:
     """Render one scene and say what is seen.
 
@@ -30,12 +29,12 @@ def render(
     """
     from hsr.algorithms.registry import method_named
 
-    opt.check_folder(output)
-    opt.check_folder(png)
-    view = hsr.view(hsr.load(scene), opt.parse_size(size), camera)
+    cli.check_folder(output)
+    cli.check_folder(png)
+    view = hsr.view(hsr.load(scene), cli.parse_size(size), camera)
     names = method or ["zbuffer"]
     rows = []
-    with progress(quiet, len(names)) as step:
+    with cli.progress(quiet, len(names)) as step:
         for name in names:
             step(name)
             method_named(name).warm_up(view)
@@ -43,7 +42,7 @@ def render(
             files = list(_written(view, answer, output, png, several=len(names) > 1))
             rows.append(_summary(answer) | {"files": files})
     if as_json:
-        print_json({"hsr": 1, "scene": str(scene), "maps": rows})
+        cli.print_json({"hsr": 1, "scene": str(scene), "maps": rows})
     else:
         _print(rows, verbose)
 
@@ -70,28 +69,23 @@ def _summary(answer: hsr.VisibilityMap) -> dict[str, Any]:
     import numpy as np
 
     covered = answer.face >= 0
-    return {
-        "method": answer.method,
-        "size": [answer.width, answer.height],
-        "covered": int(covered.sum()),
-        "faces_seen": len(np.unique(answer.face[covered])),
-        "nearest": float(answer.depth.min()) if covered.any() else None,
-        "seconds": answer.seconds,
-        "work": answer.work,
-        "notes": answer.notes,
-    }
+    size, nearest = [answer.width, answer.height], float(answer.depth.min()) if covered.any() else None
+    faces = len(np.unique(answer.face[covered]))
+    seen = {"size": size, "covered": int(covered.sum()), "faces_seen": faces, "nearest": nearest}
+    made = {"seconds": answer.seconds, "work": answer.work, "notes": answer.notes}
+    return {"method": answer.method, **seen, **made}
 
 
 def _cells(row: dict[str, Any]) -> tuple[str, ...]:
     share = f"{row['covered'] / (row['size'][0] * row['size'][1]):.1%}"
     nearest = "-" if row["nearest"] is None else f"{row['nearest']:.6g}"
-    return (row["method"], share, f"{row['faces_seen']:,}", nearest, milliseconds(row["seconds"]))
+    return (row["method"], share, f"{row['faces_seen']:,}", nearest, cli.milliseconds(row["seconds"]))
 
 
 def _print(rows: list[dict[str, Any]], verbose: bool) -> None:
     """Print one row a map, and what was written."""
-    print_table(("method", "covered", "faces seen", "nearest", "render"), map(_cells, rows))
+    cli.print_table(("method", "covered", "faces seen", "nearest", "render"), map(_cells, rows))
     for row in rows:
-        if verbose:
-            say(f"{row['method']}: " + ", ".join(f"{name} {count:,}" for name, count in row["work"].items()))
-        say(*(f"wrote {file}" for file in row["files"]))
+        work = ", ".join(f"{name} {count:,}" for name, count in row["work"].items())
+        told = [f"{row['method']}: {work}"] if verbose else []
+        cli.say(*told, *(f"wrote {file}" for file in row["files"]))

@@ -6,23 +6,18 @@ import json
 from pathlib import Path
 from typing import Annotated
 
-import typer
+from typer import Argument, Exit, Typer
 
 import hsr
 from hsr.base.errors import SceneError
 from hsr.base.files import write_whole
-from hsr.cli import options as opt
-from hsr.cli.console import tell
+from hsr.cli import common as cli
 
-scene_app = typer.Typer(help="Check and describe scene files.", no_args_is_help=True)
+scene_app = Typer(help="Check and describe scene files.", no_args_is_help=True)
 
 
 @scene_app.command()
-def check(
-    files: Annotated[list[Path], typer.Argument(help="Scene or mesh files.")],
-    as_json: opt.Json = False,
-    quiet: opt.Quiet = False,
-) -> None:
+def check(files: cli.SceneFiles, as_json: cli.Json = False, quiet: cli.Quiet = False) -> None:
     """Check scene files; all errors of all files at once, exit 2 if there are any."""
     problems: dict[str, list[str]] = {}
     for file in files:
@@ -32,23 +27,23 @@ def check(
         except SceneError as error:
             problems[str(file)] += error.problems
     lines = ("\n".join(found) or f"{name}: ok" for name, found in problems.items())
-    tell(as_json, {"hsr": 1, "problems": problems}, () if quiet else lines)
+    cli.tell(as_json, {"hsr": 1, "problems": problems}, () if quiet else lines)
     if any(problems.values()):
-        raise typer.Exit(opt.USAGE)
+        raise Exit(cli.USAGE)
 
 
 @scene_app.command()
-def info(file: opt.SceneFile, size: opt.Size = "512x512", as_json: opt.Json = False) -> None:
+def info(file: cli.SceneFile, size: cli.Size = "512x512", as_json: cli.Json = False) -> None:
     """Say what is in a scene: objects, faces, bounds, cameras, where culling would be lossless."""
     from hsr.scene.info import describe, lines
 
-    found = describe(hsr.load(file), opt.parse_size(size))
-    tell(as_json, found, lines(found))
+    found = describe(hsr.load(file), cli.parse_size(size))
+    cli.tell(as_json, found, lines(found))
 
 
 @scene_app.command()
 def schema(
-    file: Annotated[Path | None, typer.Argument(help="File to write; standard output by default.")] = None,
+    file: Annotated[Path | None, Argument(help="File to write; standard output by default.")] = None,
 ) -> None:
     """Print the JSON Schema of scene files, for editors."""
     from hsr.scene.info import schema as scene_schema

@@ -3,40 +3,36 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from typer import Argument, Exit, Option, Typer
 
 from hsr.base.errors import HsrError
 from hsr.base.files import make_folder
-from hsr.cli import options as opt
-from hsr.cli.console import print_json, print_table, progress, say
-
-if TYPE_CHECKING:
-    from hsr.lab.stability.judge import Result
-
+from hsr.cli import common as cli
 
 stability_app = Typer(
-    cls=opt.RunByDefault,
+    cls=cli.RunByDefault,
     help="Run hard cases: where theory says methods break, and where they do. 'run' need not be named.",
 )
 
 
 @stability_app.command()
 def run(
-    family: Annotated[opt.Texts, Argument(help="Families; all by default.")] = None,
+    family: Annotated[cli.Texts, Argument(help="Families; all by default.")] = None,
     method: Annotated[
-        opt.Texts,
+        cli.Texts,
         Option("--method", "-a", help="Method or variant, repeatable; those of each family by default."),
     ] = None,
-    output: Annotated[Path | None, opt.output("Folder for a page, charts and figures.")] = None,
+    output: Annotated[Path | None, cli.output("Folder for a page, charts and figures.")] = None,
     quick: Annotated[bool, Option("--quick", help="Small pictures, short sweeps: a minute.")] = False,
-    as_json: opt.Json = False,
-    quiet: opt.Quiet = False,
+    as_json: cli.Json = False,
+    quiet: cli.Quiet = False,
 ) -> None:
     """Judge methods on families of hard cases; exit 1 if any row contradicts its theory."""
     from hsr.lab.stability.cases import families, family_named
     from hsr.lab.stability.judge import contradictions, judge
+    from hsr.lab.stability.summary import closing, table
 
     chosen = [family_named(name) for name in dict.fromkeys(family or families())]
     asked = {this.name: [name for name in method or () if this.knows(name)] for this in chosen}
@@ -46,36 +42,28 @@ def run(
     if output is not None:
         make_folder(output)
     judged = [this for this in chosen if asked[this.name] or not method]
-    with progress(quiet, sum(len(this.values(quick)) for this in judged)) as step:
+    with cli.progress(quiet, sum(len(this.values(quick)) for this in judged)) as step:
         results = [judge(this, quick, asked[this.name], step) for this in judged]
     if output is not None:
         from hsr.pages.stability import write_folder
 
         write_folder(results, output)
     if as_json:
-        print_json({"hsr": 1, "families": [result.to_json() for result in results]})
+        cli.print_json({"hsr": 1, "families": [result.to_json() for result in results]})
     else:
-        _print_matrix(results)
+        cli.print_table(*table(results))
+        cli.say(*closing(results))
         if output is not None:
-            say(f"report: {output / 'index.html'}")
+            cli.say(f"report: {output / 'index.html'}")
     if any(contradictions(results)):
-        raise Exit(opt.DIFFERS)
-
-
-def _print_matrix(results: list[Result]) -> None:
-    from hsr.lab.stability.summary import headline, table
-
-    print_table(*table(results))
-    skipped = {name: reason for result in results for name, reason in result.skipped.items()}
-    say(*(f"{name}: {reason}" for name, reason in skipped.items()))
-    say(headline([result.to_json() for result in results]))
+        raise Exit(cli.DIFFERS)
 
 
 @stability_app.command()
 def scene(
     family: Annotated[str, Argument(help="Family.")],
     at: Annotated[float, Option(help="Value of its parameter.")],
-    output: opt.SceneOutput = None,
+    output: cli.SceneOutput = None,
     side: Annotated[int, Option(min=8, max=1024, help="Side of the picture, in samples.")] = 64,
 ) -> None:
     """Write the scene of a family at a value of its parameter, for every other command."""
@@ -89,4 +77,4 @@ def scene(
         return
     write_scene(found, output)
     width, height = chosen.size(at, side)
-    say(f"wrote {output}; render it with --size {width}x{height}")
+    cli.say(f"wrote {output}; render it with --size {width}x{height}")
