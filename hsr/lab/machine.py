@@ -15,7 +15,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from statistics import median
 
 import numpy as np
 
@@ -27,6 +26,9 @@ VARIABLES = ("OMP_WAIT_POLICY", "GOMP_SPINCOUNT", "NUMBA_NUM_THREADS", "NUMBA_CP
 
 ROOT = Path(__file__).parents[2]
 """The checkout, if the package is not installed for good."""
+
+Clocks = tuple[float, float, float]
+"""Seconds of the wall clock, of all processors busy, and of this process and its children."""
 
 STAT = Path("/proc/stat")
 STATUS = Path("/proc/self/status")
@@ -50,15 +52,16 @@ def equal_threads() -> int:
 
 def machine() -> Machine:
     """Describe the machine and what the figures were made with."""
-    cpu, known = _cpu(), {package: version_of(package) for package in PACKAGES}
-    threads = int(thread_count())
+    cpu, threads = _cpu(), int(thread_count())
+    known = {package: version_of(package) for package in PACKAGES}
+    versions = {"python": platform.python_version()} | {name: told for name, told in known.items() if told}
     return Machine(
         name=f"{re.sub('[^a-z0-9]+', '-', cpu.lower()).strip('-')}-{threads}",
         cpu=cpu,
         processors=os.cpu_count() or 1,
         threads=threads,
         system=platform.platform(),
-        versions={"python": platform.python_version()} | {name: told for name, told in known.items() if told},
+        versions=versions,
         environment={name: os.environ[name] for name in VARIABLES if name in os.environ},
     )
 
@@ -91,24 +94,17 @@ def commit() -> str | None:
 # ---------------------------------------------------------------- load
 
 
-class Watch:
-    """Watch how many processors other programs keep busy, from now on."""
-
-    def __init__(self) -> None:
-        self._start = _clocks()
-
-    @property
-    def foreign_load(self) -> float | None:
-        """Processors that others kept busy since the start, on average; None if the system does not say."""
-        now = _clocks()
-        if self._start is None or now is None:
-            return None
-        wall, busy, own = (b - a for a, b in zip(self._start, now, strict=True))
-        return round(max(busy - own, 0.0) / wall, 2)
+def foreign_load(since: Clocks | None) -> float | None:
+    """Return how many processors others kept busy since then, on average; None if the system does not say."""
+    now = clocks()
+    if since is None or now is None:
+        return None
+    wall, busy, own = np.subtract(now, since)
+    return round(max(float(busy - own), 0.0) / float(wall), 2)
 
 
-def _clocks() -> tuple[float, float, float] | None:
-    """Seconds of the wall clock, of all processors busy, and of this process and its children."""
+def clocks() -> Clocks | None:
+    """Read the clocks; None if the system does not say."""
     try:
         user, nice, system, _, _, irq, softirq, steal = map(int, STAT.read_text().split()[1:9])
     except (OSError, ValueError):
@@ -117,27 +113,15 @@ def _clocks() -> tuple[float, float, float] | None:
     return time.perf_counter(), busy, sum(os.times()[:4])
 
 
-WORK = 2**16
-"""Numbers that the yardstick sorts: a third of a millisecond or so."""
+NUMBERS = np.random.default_rng(1).random(2**16)
+"""What the yardstick sorts, in a third of a millisecond or so."""
 
 
-class Yardstick:
-    """A fixed piece of work on one thread, timed now and again: how fast the machine itself is."""
-
-    def __init__(self) -> None:
-        self._numbers = np.random.default_rng(1).random(WORK)
-        self._seconds: list[float] = []
-
-    def apply(self) -> None:
-        """Do the work once."""
-        start = time.perf_counter()
-        np.sort(self._numbers)
-        self._seconds.append(time.perf_counter() - start)
-
-    @property
-    def milliseconds(self) -> float:
-        """The median so far."""
-        return round(1e3 * median(self._seconds), 4)
+def yardstick() -> float:
+    """Return the milliseconds of a fixed piece of work on one thread: how fast the machine itself is."""
+    start = time.perf_counter()
+    np.sort(NUMBERS)
+    return 1e3 * (time.perf_counter() - start)
 
 
 # ---------------------------------------------------------------- memory

@@ -115,9 +115,7 @@ def dominators(rows: Sequence[Row]) -> dict[str, list[str]]:
         By row id, the names of the methods, the fastest first. The length of the list + 1 is the rank.
     """
     ran = sorted((row for row in rows if not row.absent), key=_standing)
-    return {
-        row.id: [other.method for other in ran if _dominates(_standing(other), _standing(row))] for row in ran
-    }
+    return {row.id: [other.method for other in ran if _dominates(other, row)] for row in ran}
 
 
 def _standing(row: Row) -> tuple[float, float]:
@@ -126,5 +124,6 @@ def _standing(row: Row) -> tuple[float, float]:
     return float(speed), float(error)
 
 
-def _dominates(a: tuple[float, float], b: tuple[float, float]) -> bool:
-    return a[0] <= b[0] and a[1] <= b[1] and a != b
+def _dominates(one: Row, other: Row) -> bool:
+    (a, b), (c, d) = _standing(one), _standing(other)
+    return a <= c and b <= d and (a, b) != (c, d)

@@ -39,17 +39,12 @@ def publish(results: Results, folder: str | Path) -> list[Path]:
     HsrError
         If a file cannot be written.
     """
+    forms = {"json": Results.to_json, "csv": to_csv, "md": to_markdown, "svg": to_svg}
+    texts = {Path(folder, f"{results.stem}.{ending}"): form(results) for ending, form in forms.items()}
     make_folder(Path(folder))
-    texts = {
-        "json": results.to_json(),
-        "csv": to_csv(results),
-        "md": to_markdown(results),
-        "svg": to_svg(results),
-    }
-    files = {Path(folder) / f"{results.stem}.{ending}": text for ending, text in texts.items()}
-    for path, text in files.items():  # all texts are there by now: nothing can fail but the disk
+    for path, text in texts.items():  # all texts are there by now: nothing can fail but the disk
         write_whole(path, text, "the results")
-    return list(files)
+    return list(texts)
 
 
 def make_folder(folder: Path) -> None:
@@ -65,10 +60,8 @@ def make_folder(folder: Path) -> None:
         probe = folder / ".hsr-bench"
         probe.touch()
         probe.unlink()
-    except OSError as error:
-        raise HsrError(
-            f"{folder}: cannot write results there: {error.strerror}; choose another -o"
-        ) from error
+    except OSError as why:
+        raise HsrError(f"{folder}: cannot write results there: {why.strerror}; choose another -o") from why
 
 
 # ---------------------------------------------------------------- tables
@@ -102,9 +95,8 @@ def table(rows: Sequence[Row]) -> Table:
             return ("", row.method, *figures, row.absent, "")
         return (str(len(better[row.id]) + 1), row.method, *figures, why(row), _named(better[row.id]))
 
-    ran = sorted(
-        (row for row in rows if not row.absent), key=lambda row: (len(better[row.id]), SPEED.of(row))
-    )
+    ran = [row for row in rows if not row.absent]
+    ran.sort(key=lambda row: (len(better[row.id]), SPEED.of(row)))
     absent = [row for row in rows if row.absent]
     return Table(head, [cells(row) for row in (*ran, *absent)], ("rank", *titles), case_title(rows))
 
@@ -130,10 +122,8 @@ def to_markdown(results: Results) -> str:
     told: list[str] = list(map(case_markdown, results.cases.values()))
     if results.scaling:
         series = growth(results)
-        told = [
-            "\n".join(f"- {sentence}" for sentence in sentences(series)),
-            scaling.table(series).markdown(),
-        ]
+        lines = "\n".join(f"- {sentence}" for sentence in sentences(series))
+        told = [lines, scaling.table(series).markdown()]
     return "\n\n".join([conditions(results), *told]) + "\n"
 
 

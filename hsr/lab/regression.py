@@ -179,9 +179,7 @@ def warnings(before: Results, after: Results) -> list[str]:
     for what in ("name", "processors", "threads", "environment"):
         a, b = getattr(before.machine, what), getattr(after.machine, what)
         if a != b:
-            told.append(
-                f"the machines differ: {what} {a} before, {b} after; times may differ for that reason"
-            )
+            told += [f"the machines differ: {what} {a} before, {b} after; times may differ for that reason"]
     load = max(results.foreign_load or 0.0 for results in (before, after))
     if load > NOTABLE_LOAD:
         told.append(f"other programs kept up to {load:.2f} processors busy: the noise bands are wide")

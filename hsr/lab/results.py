@@ -218,7 +218,6 @@ def load_results(path: str | Path) -> Results:
         raise HsrError(f"{path}: cannot read the results: {error.strerror}") from error
     except ValidationError as error:
         first = error.errors()[0]
-        where = ".".join(map(str, first["loc"])) or "the file"
-        raise HsrError(
-            f"{path}: no benchmark results of version 1 ({where}: {first['msg']}); measure with 'hsr bench'"
-        ) from None
+        what = f"{'.'.join(map(str, first['loc'])) or 'the file'}: {first['msg']}"
+        told = f"{path}: no benchmark results of version 1 ({what}); measure with 'hsr bench'"
+        raise HsrError(told) from None

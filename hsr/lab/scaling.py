@@ -141,15 +141,7 @@ SERIES = (
 # ---------------------------------------------------------------- laws
 
 
-class Exponent(NamedTuple):
-    """The slope of the times by logarithms, ``t ~ x**value``, and its interval."""
-
-    value: float
-    low: float
-    high: float
-
-
-def exponent(x: Sequence[float], y: Sequence[float]) -> Exponent | None:
+def exponent(x: Sequence[float], y: Sequence[float]) -> tuple[float, float, float] | None:
     """Fit ``y = c x**k`` by least squares of the logarithms.
 
     Parameters
@@ -159,14 +151,14 @@ def exponent(x: Sequence[float], y: Sequence[float]) -> Exponent | None:
 
     Returns
     -------
-    Exponent or None
-        k with its interval by Student's t; None of fewer than three points.
+    k, low, high : float, or None
+        The slope with its interval by Student's t; None of fewer than three points.
     """
     if len(x) < 3:
         return None
     line = linregress(np.log(x), np.log(y))
     reach = float(t.ppf(0.5 + CONFIDENCE / 2.0, len(x) - 2)) * line.stderr
-    return Exponent(float(line.slope), float(line.slope - reach), float(line.slope + reach))
+    return float(line.slope), float(line.slope - reach), float(line.slope + reach)
 
 
 def law_of(method: str, series: str) -> str | None:
@@ -245,15 +237,11 @@ class Crossover:
 
     def sentence(self, thing: str) -> str:
         """Say so, ``thing`` being what is counted."""
+        about = int(float(f"{self.at:.1e}"))  # two significant digits: interpolation is no better
         return (
-            f"From about {_round(self.at):,} {thing} on, {self.winner} is faster than {self.loser} "
+            f"From about {about:,} {thing} on, {self.winner} is faster than {self.loser} "
             f"(measured at {self.below:,.0f} and {self.above:,.0f})."
         )
-
-
-def _round(value: float) -> int:
-    """Two significant digits: interpolation is no better."""
-    return int(float(f"{value:.1e}"))
 
 
 def crossovers(curves: Sequence[Curve]) -> list[Crossover]:
@@ -297,14 +285,13 @@ HEAD = ("series", "method", "grows as", "law", "off by up to", "at the smallest 
 
 def table(series: Sequence[Growth]) -> Table:
     """Return a line a curve."""
-    return Table(
-        HEAD, [_line(one, curve) for one in series for curve in one.curves], HEAD[4:], "How times grow"
-    )
+    rows = [_line(one, curve) for one in series for curve in one.curves]
+    return Table(HEAD, rows, HEAD[4:], "How times grow")
 
 
 def _line(one: Growth, curve: Curve) -> tuple[str, ...]:
     slope = exponent(curve.x, curve.y)
-    grows = "" if slope is None else f"x^{slope.value:.2f} ({slope.low:.2f} to {slope.high:.2f})"
+    grows = "" if slope is None else "x^{:.2f} ({:.2f} to {:.2f})".format(*slope)
     off = [abs(law / time - 1.0) for law, time in zip(curve.theory, curve.y, strict=False)]
     law = law_of(curve.label, one.x_title) if off else None
     ends = (written(curve.y[0]), written(curve.y[-1]))

@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
+from statistics import median
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from hsr.algorithms.registry import Method, default_methods, method_named, rende
 from hsr.base.arrays import Floats
 from hsr.difference.cause import causes
 from hsr.difference.classes import SampleClass, compare
-from hsr.lab.machine import Watch, Yardstick, commit, equal_threads, machine, peak_memory
+from hsr.lab.machine import clocks, commit, equal_threads, foreign_load, machine, peak_memory, yardstick
 from hsr.lab.results import FEWEST, DepthOff, Results, Row, Verdict
 from hsr.lab.statistics import timing
 from hsr.problem.map import VisibilityMap
@@ -145,14 +146,14 @@ def _measure_case(
     step(f"{label}: judging")
     truth = render(fresh(case.view), "exact")
     for contestant in contest:
-        contestant.judge(truth, explain)
-    order, watch, yardstick = np.random.default_rng(SEED), Watch(), Yardstick()
+        contestant.attempt(contestant.judge, truth, explain)
+    order, begun, marks = np.random.default_rng(SEED), clocks(), list[float]()
     for turn in range(repeat):
         step(f"{label}: turn {turn + 1} of {repeat}")
-        yardstick.apply()
+        marks.append(yardstick())
         for k in order.permutation(len(contest)):
-            contest[k].take_turn()
-    state = {"foreign_load": watch.foreign_load, "yardstick": yardstick.milliseconds}
+            contest[k].attempt(contest[k].take_turn)
+    state = {"foreign_load": foreign_load(begun), "yardstick": round(median(marks), 4)}
     for contestant in contest:
         yield contestant.row(state)
 
@@ -182,41 +183,35 @@ class Contestant:
     facts: dict[str, Any] = field(default_factory=dict)
     turns: list[dict[str, float]] = field(default_factory=list)
 
-    def judge(self, truth: VisibilityMap, explain: bool) -> None:
-        """Warm up, render once under watch, and compare the map with the truth."""
-        if not self.absent:
-            self._try(lambda: self._judge(truth, explain))
-
-    def take_turn(self) -> None:
-        """Render once more, on a view of its own, and keep the times of all stages."""
-        used = sum(sum(turn.values()) for turn in self.turns)
-        if not self.absent and (len(self.turns) < FEWEST or used < SHARE):
-            time.sleep(REST)
-            self._try(lambda: self.turns.append(self.method.render(fresh(self.case.view)).seconds))
-
-    def _try(self, step: Callable[[], None]) -> None:
+    def attempt(self, step: Callable[..., None], *what: Any) -> None:
+        """Take a step unless the method is out; if it breaks down, it is, and the reason is kept."""
+        if self.absent:
+            return
         try:
-            step()
+            step(*what)
         except Exception as error:  # another package's method may raise anything
             told = str(error).removeprefix(f"{self.method.name}: ") or type(error).__name__
             self.absent = " ".join(told.split())
 
-    def _judge(self, truth: VisibilityMap, explain: bool) -> None:
+    def take_turn(self) -> None:
+        """Render once more, on a view of its own, and keep the times of all stages."""
+        used = sum(sum(turn.values()) for turn in self.turns)
+        if len(self.turns) < FEWEST or used < SHARE:
+            time.sleep(REST)
+            self.turns.append(self.method.render(fresh(self.case.view)).seconds)
+
+    def judge(self, truth: VisibilityMap, explain: bool) -> None:
+        """Warm up, render once under watch, and compare the map with the truth."""
         start = time.perf_counter()
         self.method.warm_up(fresh(self.case.view))
         warm_up = 1e3 * (time.perf_counter() - start)
         problem = fresh(self.case.view)
         with peak_memory() as peak:
             answer = self.method.render(problem)
-        self.facts = {
-            "driver": answer.notes.get("driver", ""),
-            "threads": answer.notes.get("threads", equal_threads()),
-            "warm_up": round(warm_up, 4),
-            "verdict": verdict(self.case.view, answer, truth, explain),
-            "work": answer.work,
-            "peak_bytes": peak.rise,
-            "buffer_bytes": answer.face.nbytes + answer.depth.nbytes,
-        }
+        threads, size = answer.notes.get("threads", equal_threads()), answer.face.nbytes + answer.depth.nbytes
+        by = {"driver": answer.notes.get("driver", ""), "threads": threads, "warm_up": round(warm_up, 4)}
+        told = {"verdict": verdict(self.case.view, answer, truth, explain), "work": answer.work}
+        self.facts = {**by, **told, "peak_bytes": peak.rise, "buffer_bytes": size}
 
     def row(self, state: dict[str, float | None]) -> Row:
         """Return what was found, with the state of the machine meanwhile."""
@@ -226,19 +221,11 @@ class Contestant:
             turns = [turn | {"total": sum(turn.values())} for turn in self.turns]
             times = {stage: timing([turn[stage] for turn in turns]) for stage in turns[0]}
             found = {**self.facts, "times": times, **state}
-        return Row(
-            id=f"{case.scene}/{seen.width}x{seen.height}/{case.cull}/{self.method.name}",
-            series=case.series,
-            scene=case.scene,
-            width=seen.width,
-            height=seen.height,
-            cull=case.cull,
-            method=self.method.name,
-            faces=seen.faces,
-            triangles=len(seen.tessellated().polygons.triangle_face),
-            hashes=seen.hashes,
-            **found,
-        )
+        name, what = self.method.name, f"{case.scene}/{seen.width}x{seen.height}/{case.cull}"
+        triangles = len(seen.tessellated().polygons.triangle_face)
+        asked = {"scene": case.scene, "series": case.series, "cull": case.cull, "hashes": seen.hashes}
+        counts = {"width": seen.width, "height": seen.height, "faces": seen.faces, "triangles": triangles}
+        return Row(id=f"{what}/{name}", method=name, **asked, **counts, **found)
 
 
 # ---------------------------------------------------------------- judging

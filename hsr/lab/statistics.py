@@ -68,13 +68,6 @@ def _ratio_of_medians(before: Array, after: Array, axis: int = -1) -> Array:
 
 
 def _interval(data: tuple[Array, ...], statistic: Any, confidence: float) -> tuple[float, float]:
-    found = bootstrap(
-        data,
-        statistic,
-        confidence_level=confidence,
-        n_resamples=RESAMPLES,
-        method="percentile",
-        vectorized=True,
-        rng=np.random.default_rng(SEED),
-    ).confidence_interval
+    how = {"n_resamples": RESAMPLES, "method": "percentile", "rng": np.random.default_rng(SEED)}
+    found = bootstrap(data, statistic, confidence_level=confidence, **how).confidence_interval
     return float(found.low), float(found.high)

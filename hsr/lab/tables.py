@@ -31,10 +31,8 @@ class Table(NamedTuple):
     def markdown(self) -> str:
         """Return the table as Markdown; columns of numbers are aligned to the right."""
         rule = "|".join("---:" if name in self.right else "---" for name in self.head)
-        head, *lines = (
-            "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
-            for cells in (self.head, *self.rows)
-        )
+        escaped = [[cell.replace("|", "\\|") for cell in cells] for cells in (self.head, *self.rows)]
+        head, *lines = (f"| {' | '.join(cells)} |" for cells in escaped)
         return "\n".join([head, f"|{rule}|", *lines])
 
     def csv(self) -> str:

@@ -10,19 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
 
 import numpy as np
 
-from hsr.base.arrays import Array, Floats, Ints
-from hsr.kernels import triangle_tests
+from hsr.base.arrays import Floats
+from hsr.kernels.triangle_tests import EDGE_PLANES, MOLLER_TRUMBORE, WOOP, misses
 from hsr.scene.shapes import Polygons, generic, tessellated
 
-TESTS = {
-    "moller-trumbore": triangle_tests.MOLLER_TRUMBORE,
-    "edge-planes": triangle_tests.EDGE_PLANES,
-    "woop": triangle_tests.WOOP,
-}
+TESTS = {"moller-trumbore": MOLLER_TRUMBORE, "edge-planes": EDGE_PLANES, "woop": WOOP}
 ARITHMETICS = ("float64", "float32")
 AIMS = ("vertices", "edge midpoints")
 SEGMENTS = 40
@@ -79,7 +74,7 @@ def _rows(rays: int, seed: int) -> Iterator[Escapes]:
         corners = polygons.vertices[polygons.triangle_vertex]
         for (name, test), arithmetic in product(TESTS.items(), ARITHMETICS):
             o, target, mesh = (array.astype(arithmetic) for array in (origins, targets, corners))
-            missed = triangle_tests.misses(test, o, target - o, mesh)
+            missed = misses(test, o, target - o, mesh)
             yield Escapes(shape, aim, name, arithmetic, rays, missed)
 
 
@@ -104,12 +99,6 @@ def aimed(polygons: Polygons, aim: str, rays: int, random: np.random.Generator) 
     middle = vertices[used].mean(axis=0)
     within = vertices[random.choice(used, (rays, 4))].mean(axis=1)
     origins = middle + random.uniform(0.0, 0.5, (rays, 1)) * (within - middle)
-    places = vertices[used] if aim == "vertices" else _midpoints(vertices, corner)
+    edges = np.unique(np.sort(corner[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
+    places = vertices[used] if aim == "vertices" else vertices[edges].mean(axis=1)
     return origins, places[random.integers(0, len(places), rays)]
-
-
-def _midpoints(vertices: Floats, corner: Ints) -> Floats:
-    """Return the middle of every edge, once."""
-    sides: Array = np.sort(corner[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    middles: np.ndarray[Any, np.dtype[np.float64]] = vertices[np.unique(sides, axis=0)].mean(axis=1)
-    return middles

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from hsr.lab import machine
-from hsr.lab.machine import Watch, Yardstick, commit, peak_memory
+from hsr.lab.machine import clocks, commit, foreign_load, peak_memory, yardstick
 
 
 def test_foreign_load_is_what_others_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -21,9 +21,9 @@ def test_foreign_load_is_what_others_do(tmp_path: Path, monkeypatch: pytest.Monk
     monkeypatch.setattr(machine, "STAT", file)
     monkeypatch.setattr(time, "perf_counter", iter([100.0, 110.0]).__next__)
     file.write_text(f"cpu  {0} 0 0 7 7 0 0 0 0 0\n")
-    watch = Watch()
+    begun = clocks()
     file.write_text(f"cpu  {10 * ticks} {5 * ticks} {2 * ticks} 99 99 {ticks} {ticks} {ticks} 0 0\n")
-    assert watch.foreign_load == pytest.approx(2.0, abs=0.1)
+    assert foreign_load(begun) == pytest.approx(2.0, abs=0.1)
 
 
 def test_a_system_that_does_not_tell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -31,7 +31,7 @@ def test_a_system_that_does_not_tell(tmp_path: Path, monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(machine, "CLEAR_REFS", tmp_path / "no folder" / "nothing")
     with peak_memory() as peak:
         pass
-    assert Watch().foreign_load is None and peak.rise is None
+    assert foreign_load(clocks()) is None and peak.rise is None
 
 
 @pytest.mark.skipif(not os.access(machine.CLEAR_REFS, os.W_OK), reason="this system tells no peak memory")
@@ -70,7 +70,4 @@ def test_the_machine_has_a_name_for_files(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_the_yardstick_takes_time() -> None:
-    yardstick = Yardstick()
-    for _ in range(3):
-        yardstick.apply()
-    assert 0.0 < yardstick.milliseconds < 1000.0
+    assert all(0.0 < yardstick() < 1000.0 for _ in range(3))

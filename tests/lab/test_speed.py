@@ -196,7 +196,7 @@ def test_two_real_methods(scenes: Path) -> None:
 def test_a_planted_slow_down_is_caught(register: Any, cube: Case, monkeypatch: pytest.MonkeyPatch) -> None:
     """Sleep 50 ms, then 60: by the clock, and as if no other program ran."""
     monkeypatch.setattr(machine, "STAT", Path("no such file"))
-    monkeypatch.setattr(machine.Yardstick, "milliseconds", 1.0)
+    monkeypatch.setattr(speed, "yardstick", lambda: 1.0)
 
     def sleeping(seconds: float) -> Any:
         def render(view: View, _: Options) -> VisibilityMap:

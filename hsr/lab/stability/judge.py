@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
 from typing import Any
@@ -154,16 +154,9 @@ class Result:
 
     def to_json(self) -> dict[str, Any]:
         """Return the result as JSON values."""
-        return {
-            "family": self.family.name,
-            "group": self.family.group,
-            "parameter": self.family.parameter,
-            "figure": self.family.figure_name,
-            "side": self.side,
-            "rows": [row.to_json() for row in self.rows],
-            "skipped": self.skipped,
-            "drivers": self.drivers,
-        }
+        of, rows = self.family, [row.to_json() for row in self.rows]
+        about = {"family": of.name, "group": of.group, "parameter": of.parameter, "figure": of.figure_name}
+        return about | {"side": self.side, "rows": rows, "skipped": self.skipped, "drivers": self.drivers}
 
 
 def judge(
@@ -294,28 +287,24 @@ def _bisected(family: Family, side: int, variant: Variant, right: float, wrong: 
 
 
 def _verdict(
-    family: Family, side: int, variant: Variant, values: Sequence[float], measured: float | None
+    family: Family, side: int, variant: Variant, values: list[float], measured: float | None
 ) -> Verdict:
     """Judge a break: none before the predicted one within the factor, and one by the first value beyond it.
 
     Exactly at the predicted value over the factor is not too early; at the safe value it is.
     """
-    predicted, safe = variant.break_at(side), variant.safe_at(side)
     if not variant.because:
         return Verdict.HOLDS if measured is None else Verdict.NO_THEORY
-    if predicted is None:
-        return Verdict.HOLDS if measured is None else Verdict.EARLY
-    ease = variant.factor if family.ascending else 1.0 / variant.factor
-    sign = 1.0 if family.ascending else -1.0
-    if measured is not None and safe is not None and sign * measured <= sign * safe:
+    sign, ease = (1.0, variant.factor) if family.ascending else (-1.0, 1.0 / variant.factor)
+    predicted, safe = variant.break_at(side), variant.safe_at(side)
+    # Of hardness, which ascends in any case: what never breaks does so beyond all values.
+    first, expected = (math.inf if value is None else sign * value for value in (measured, predicted))
+    due = next((sign * value for value in values if sign * value >= expected * ease), math.inf)
+    if first < expected / ease or (safe is not None and first <= sign * safe):
         return Verdict.EARLY
-    if measured is not None and sign * measured < sign * predicted / ease:
-        return Verdict.EARLY
-    due = next((value for value in values if sign * value >= sign * predicted * ease), None)
-    if measured is None:
-        return Verdict.HOLDS if due is None else Verdict.THEORY_WRONG
-    late = due is not None and sign * measured > sign * due
-    return Verdict.THEORY_WRONG if late else Verdict.AS_PREDICTED
+    if first > due:
+        return Verdict.THEORY_WRONG
+    return Verdict.HOLDS if measured is None else Verdict.AS_PREDICTED
 
 
 def _row_of_curve(variant: Variant, points: Sequence[Point]) -> Row:
@@ -335,9 +324,6 @@ def _row_of_curve(variant: Variant, points: Sequence[Point]) -> Row:
 # ---------------------------------------------------------------- over all families
 
 
-def contradictions(results: Sequence[Result]) -> Iterator[tuple[Result, Row]]:
-    """Yield every row that contradicts its theory."""
-    for result in results:
-        for row in result.rows:
-            if row.verdict not in FINE:
-                yield result, row
+def contradictions(results: Sequence[Result]) -> list[tuple[Result, Row]]:
+    """Return every row that contradicts its theory."""
+    return [(result, row) for result in results for row in result.rows if row.verdict not in FINE]

@@ -11,17 +11,16 @@ import math
 from collections.abc import Sequence
 from itertools import cycle
 from string import ascii_lowercase
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from hsr.algorithms.registry import certified_methods
 from hsr.lab.stability.judge import Result, Row
 from hsr.pictures.charts import COLOURS, SHAPES, svg
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 QUIET = "#767676"
 LINES = ("-", "--", "-.", ":")
@@ -30,28 +29,19 @@ LINES = ("-", "--", "-.", ":")
 TICKS = 8
 """At most so many up the side, besides 0."""
 
-STYLE: dict[Any, Any] = {
-    "svg.fonttype": "none",
-    "font.family": "sans-serif",
-    "font.size": 9.0,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-}
+SPINES = dict.fromkeys(("axes.spines.top", "axes.spines.right"), False)
+STYLE: dict[Any, Any] = {"svg.fonttype": "none", "font.family": "sans-serif", "font.size": 9.0, **SPINES}
 """Text stays text."""
 
 
 def chart(result: Result) -> str:
     """Draw a result as an SVG document."""
-    import matplotlib
-
     with matplotlib.rc_context(STYLE):
         return svg(draw(result))
 
 
 def draw(result: Result) -> Figure:
     """Draw a result as a matplotlib figure, in the style that is current."""
-    from matplotlib.figure import Figure
-
     panels = _panels([row for row in result.rows if row.variant not in certified_methods()])
     figure = Figure(figsize=(8.2, 3.4 * len(panels) + 0.3), layout="constrained")
     every = figure.subplots(len(panels), sharex=True, sharey=True, squeeze=False)[:, 0]

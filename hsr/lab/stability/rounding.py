@@ -17,6 +17,9 @@ import numpy as np
 from hsr.lab.stability.family import Mistake, Variant
 from hsr.lab.stability.theory import U32, U64
 
+Renderer = Callable[[type[np.floating[Any]]], Mistake]
+"""From a type of floats to a renderer that computes in it."""
+
 GRIDS = {"scanline-snap-4": 4, "scanline-snap-8": 8, "opengl": 8}
 """Variants that snap corners, and the bits of their grids."""
 
@@ -47,11 +50,7 @@ def in_space(gain: float = 1.0) -> tuple[Variant, ...]:
 
 
 def first_drafts(
-    name: str,
-    renderer: Callable[[type[np.floating[Any]]], Mistake],
-    breaks: Callable[[float, int], float],
-    *because: str,
-    factor: float = 2.0,
+    name: str, renderer: Renderer, breaks: Callable[[float, int], float], *because: str, factor: float = 2.0
 ) -> tuple[Variant, ...]:
     """Return a textbook formula in float32 and in float64, which break by unit roundoff and side.
 

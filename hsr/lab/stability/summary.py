@@ -42,6 +42,13 @@ def _cells(row: Row) -> tuple[str, ...]:
     return (f"  {row.variant}", f"{row.wrong:,}", mostly, unexplained, *broken, str(row.verdict))
 
 
+def closing(results: Sequence[Result]) -> list[str]:
+    """Return who was skipped, and why, and the headline."""
+    skipped = {name: reason for result in results for name, reason in result.skipped.items()}
+    told = headline([result.to_json() for result in results])
+    return [*(f"{name}: {reason}" for name, reason in skipped.items()), told]
+
+
 def number(value: float | None) -> str:
     """Write a value in three figures, as ``1,290`` or ``1.91e-6``; ``-`` if there is none."""
     if value is None:
@@ -94,9 +101,8 @@ def markdown(families: Sequence[Mapping[str, Any]]) -> str:
     families : sequence of mapping
         Those of :func:`matrix`.
     """
-    found = {
-        (family["family"], row["variant"]): (family, row) for family in families for row in family["rows"]
-    }
+    everyone = [(family, row) for family in families for row in family["rows"]]
+    found = {(family["family"], row["variant"]): (family, row) for family, row in everyone}
     rows = [_facts(*found[key]) for key in INSTRUCTIVE if key in found]
     head = ("hard case", "variant", "what is measured", "theory", "predicted", "measured", "certified, wrong")
     return Table(head, rows, head[4:]).markdown()
