@@ -50,16 +50,9 @@ def write_page(
             found |= {"thumbs": told["thumbs"], "scene": len(data)}
             data.append(told["scene"])
         shown.append(found)
-    text = page(
-        "checks",
-        "Visibility checks",
-        style("inspector.css", "checks.css"),
-        ["viewer.js", "decisions.js"] if data else ["decisions.js"],
-        checks=shown,
-        run=run,
-        unused=unused,
-        **inspected(data),
-    )
+    sheet, scripts = style("inspector.css", "checks.css"), ["viewer.js", "decisions.js"]
+    told = {"checks": shown, "run": run, "unused": unused, **inspected(data)}
+    text = page("checks", "Visibility checks", sheet, scripts if data else scripts[1:], **told)
     write_whole(path, text, "the page")
 
 

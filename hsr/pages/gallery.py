@@ -82,10 +82,8 @@ def _wrong(found: Study) -> dict[str, int]:
     What comes of flat faces in place of curved ones is not counted: it was asked for.
     """
     flat = Cause.TESSELLATION.label
-    counts = {
-        name: difference.different - found.causes[name].counts.get(flat, 0)
-        for name, difference in found.differences.items()
-    }
+    rightly = {name: why.counts.get(flat, 0) for name, why in found.causes.items()}
+    counts = {name: shown.different - rightly[name] for name, shown in found.differences.items()}
     return dict(sorted(counts.items(), key=lambda item: item[1]))
 
 

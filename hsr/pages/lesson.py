@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from hsr.base.files import write_whole
 from hsr.lessons.lesson import lesson_of
@@ -26,10 +27,8 @@ def write_lesson(topic: Topic, path: str | Path, scene: Scene | None = None) -> 
     HsrError
         If the scene is too large to be recorded, or the file cannot be written.
     """
-    recording = pack_json(lesson_of(topic, scene))
-    text = page(
-        "lesson", topic.title, style("lesson.css"), ["lesson.js"], lead=topic.lead, recording=recording
-    )
+    told: dict[str, Any] = {"lead": topic.lead, "recording": pack_json(lesson_of(topic, scene))}
+    text = page("lesson", topic.title, style("lesson.css"), ["lesson.js"], **told)
     write_whole(path, text, "the lesson")
 
 

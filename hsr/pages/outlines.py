@@ -6,14 +6,13 @@ so that sample (row r, column c) lies at ``(c + 0.5, r + 0.5)``. They are rounde
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import cast
 
 import numpy as np
 
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.problem.view import Placement, View
-from hsr.scene.shapes import Polygons, Quadric
+from hsr.scene.shapes import Polygons
 
 NONE = np.zeros((0, 2, 3))
 """No segments."""
@@ -54,7 +53,9 @@ def _of_object(view: View, placement: Placement, faces: Ints) -> Floats:
         return NONE
     shape = placement.shape
     if shape.quadric is not None:
-        local = np.concatenate([NONE, *_curves(placement, shape.quadric, _eye(view), chosen)])
+        eye = np.asarray(np.linalg.solve(placement.world_from_object, _eye(view)), np.float64)
+        seen = set(chosen.tolist())
+        local = np.concatenate([NONE, *(curve for of, curve in shape.quadric.outline(eye) if of & seen)])
     else:
         local = _sides(cast(Polygons, shape.polygons), chosen)
     matrix = placement.world_from_object
@@ -102,14 +103,6 @@ def _eye(view: View) -> Floats:
     """
     eye: Floats = np.linalg.svd(view.clip_from_world[[0, 1, 3]])[2][3]
     return eye
-
-
-def _curves(placement: Placement, quadric: Quadric, eye: Floats, chosen: Ints) -> Iterator[Floats]:
-    """Yield the curves that bound some curved faces on the image, as segments (n, 2, 3) in object space."""
-    own = np.asarray(np.linalg.solve(placement.world_from_object, eye), dtype=np.float64)
-    for faces, curve in quadric.outline(own):
-        if faces & set(chosen.tolist()):
-            yield curve
 
 
 # ---------------------------------------------------------------- projection
