@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from hsr.testing.recording import Visibility
 
 FIXTURE = "visibility"
+UPDATES = ("failed", "new", "all")
 RESULTS = ".hsr-results"
 MARK = ".gitignore"
 OURS = "# results of visibility checks, written anew by every run\n*\n"
@@ -44,9 +45,7 @@ LIMITS: dict[str, tuple[Any, str]] = {
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the options, and the same keys for ini files."""
     group = parser.getgroup("hsr", "visibility")
-    group.addoption(
-        "--hsr-update", choices=("failed", "new", "all"), default="", help="write baselines; tests still fail"
-    )
+    group.addoption("--hsr-update", choices=UPDATES, default="", help="write baselines; tests still fail")
     group.addoption("--hsr-results", metavar="DIR", help=f"folder of results, {RESULTS} by default")
     group.addoption("--hsr-selfcheck", action="store_true", help="try every check on planted mistakes")
     group.addoption("--hsr-require-gl", action="store_true", help="fail, not skip, where OpenGL is missing")
@@ -62,15 +61,12 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", f"{FIXTURE}({', '.join(f'{name}=' for name in LIMITS)}): limits")
     if config.getoption("hsr_update") and os.environ.get("CI"):
         raise pytest.UsageError("--hsr-update is refused where CI is set: write baselines where you can look")
-    if config.getini("hsr_baselines") not in ("maps", "hashes"):
-        raise pytest.UsageError(
-            f"hsr_baselines: expected maps or hashes, got {config.getini('hsr_baselines')!r}"
-        )
+    keep = config.getini("hsr_baselines")
+    if keep not in ("maps", "hashes"):
+        raise pytest.UsageError(f"hsr_baselines: expected maps or hashes, got {keep!r}")
     list(_limits(config))
-    if hasattr(config, "workerinput"):
-        config.pluginmanager.register(_Worker(config), "hsr-worker")
-    else:
-        config.pluginmanager.register(_Gatherer(config), "hsr-gatherer")
+    kind = _Worker if hasattr(config, "workerinput") else _Gatherer
+    config.pluginmanager.register(kind(config), "hsr-results")
 
 
 # ---------------------------------------------------------------- the fixture
@@ -107,9 +103,8 @@ def _read(who: str, name: str, text: str) -> Any:
 
 
 def _results(config: pytest.Config) -> Path:
-    folder, option = config.rootpath, config.getoption("hsr_results")
-    if option:
-        folder = config.invocation_params.dir
+    option = config.getoption("hsr_results")
+    folder = config.invocation_params.dir if option else config.rootpath
     return Path(folder, option or config.getini("hsr_results") or RESULTS).resolve()
 
 
@@ -216,5 +211,4 @@ class _Gatherer:
         """Say where the results are, and what no test used."""
         if self._lines:
             terminalreporter.section("visibility")
-            for line in self._lines:
-                terminalreporter.write_line(line)
+            terminalreporter.write_line("\n".join(self._lines))

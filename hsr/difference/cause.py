@@ -119,10 +119,8 @@ def causes_by(
 def _check(view: View, answer: VisibilityMap, truth: VisibilityMap) -> None:
     for name, shown in (("answer", answer), ("truth", truth)):
         if shown.face.shape != (view.height, view.width):
-            raise MapError(
-                f"{name}: {shown.method} at {shown.width}x{shown.height} is no map of a view of "
-                f"{view.width}x{view.height}; render it at that size"
-            )
+            sizes = f"{shown.width}x{shown.height} is no map of a view of {view.width}x{view.height}"
+            raise MapError(f"{name}: {shown.method} at {sizes}; render it at that size")
     if truth.admissible is None:
         raise MapError(f"truth: a map by {truth.method} does not say who may own ties; render it by 'exact'")
 

@@ -11,7 +11,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import groupby, pairwise
-from typing import Any, NamedTuple, TypeVar
+from operator import itemgetter
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -27,6 +28,14 @@ from hsr.scene.shapes import Polygons
 from hsr.scene.transforms import copies
 
 Item = TypeVar("Item")
+
+Size = tuple[int, int]
+"""Width and height, in pixels."""
+
+Part = tuple[int, int]
+"""What is kept or dropped as one: a triangle of an object, by their numbers, or with ``WHOLE`` all of it."""
+
+WHOLE = -1
 
 
 @dataclass(frozen=True)
@@ -53,13 +62,7 @@ class Shrunk:
 
 
 def shrink(
-    scene: Scene,
-    row: int,
-    column: int,
-    a: str,
-    b: str,
-    size: tuple[int, int] = (512, 512),
-    camera: str | None = None,
+    scene: Scene, row: int, column: int, a: str, b: str, size: Size = (512, 512), camera: str | None = None
 ) -> Shrunk:
     """Find a smallest scene in which two methods still disagree at a sample, and by the same faces.
 
@@ -101,7 +104,7 @@ def shrink(
         name = name_in(whole.manifest, shown[0])
         raise MethodError(f"{a} and {b} agree at column {column}, row {row}: both show {name}")
 
-    def as_before(parts: Sequence[_Part]) -> bool:
+    def as_before(parts: Sequence[Part]) -> bool:
         small, origin = bench.scene_of(parts)
         return bench.shown(bench.view_of(small), origin) == shown
 
@@ -147,16 +150,6 @@ def minimised(items: Sequence[Item], holds: Callable[[Sequence[Item]], bool]) ->
     return kept
 
 
-class _Part(NamedTuple):
-    """What is kept or dropped as one: a triangle of an object, or with ``WHOLE`` all of it."""
-
-    number: int
-    triangle: int
-
-
-WHOLE = -1
-
-
 class _Bench:
     """Where small scenes are put together from parts of a scene, and tried."""
 
@@ -168,16 +161,16 @@ class _Bench:
         self.scene, self.trials = scene, 0
         self.things = [thing for thing in scene.object for _ in copies(thing)]
 
-    def parts(self, faces: Ints, apart: bool) -> list[_Part]:
+    def parts(self, faces: Ints, apart: bool) -> list[Part]:
         """Return the parts that these faces belong to; shapes of more than triangles ``apart`` or whole."""
         found = []
         for number, placement in enumerate(self.view.placements):
             polygons = placement.shape.polygons
             if polygons is not None and (apart or len(polygons.corner) == 3 * len(polygons)):
                 chosen = np.flatnonzero(np.isin(placement.first + polygons.triangle_face, faces))
-                found += [_Part(number, int(triangle)) for triangle in chosen]
+                found += [(number, int(triangle)) for triangle in chosen]
             elif placement.first in faces:
-                found.append(_Part(number, WHOLE))
+                found.append((number, WHOLE))
         return found
 
     def view_of(self, small: Scene) -> View:
@@ -190,11 +183,11 @@ class _Bench:
         name = [*map(int, origin), BACKGROUND]
         return name[one], name[other]
 
-    def scene_of(self, parts: Sequence[_Part]) -> tuple[Scene, Ints]:
+    def scene_of(self, parts: Sequence[Part]) -> tuple[Scene, Ints]:
         """Put parts together; return also the face of the whole scene that each face of theirs is."""
         things, origin = [], []
-        for number, group in groupby(parts, key=lambda part: part.number):
-            placement, triangles = self.view.placements[number], [part.triangle for part in group]
+        for number, group in groupby(parts, key=itemgetter(0)):
+            placement, triangles = self.view.placements[number], [triangle for _, triangle in group]
             thing, face = self._object_of(self.things[number], placement, triangles)
             things.append(thing)
             origin.append(face + np.int32(placement.first))

@@ -101,10 +101,9 @@ class Sightline:
 
     @cached_property
     def _first(self) -> dict[int, Layer]:
-        first: dict[int, Layer] = {}
-        for layer in sorted(self.layers, key=lambda layer: layer.removed != ""):
-            first.setdefault(layer.face, layer)
-        return first
+        # A face's later entries overwrite earlier ones, so what is seen first comes last.
+        seen = sorted(self.layers, key=lambda layer: layer.removed != "")
+        return {layer.face: layer for layer in reversed(seen)}
 
 
 def sightline(view: View, row: int, column: int) -> Sightline:

@@ -18,6 +18,9 @@ from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View, view
 from hsr.scene.model import Scene
 
+COUNTED = ("seconds", "work", "notes")
+"""What the JSON form tells of each map."""
+
 PATIENCE = 2**29
 """Tests of a face at a sample that a study waits for unasked: a few seconds on two cores."""
 
@@ -81,10 +84,7 @@ class Study:
             "faces": self.view.faces,
             "hashes": self.view.hashes,
             "reference": self.reference,
-            "methods": {
-                name: {"seconds": map.seconds, "work": map.work, "notes": map.notes}
-                for name, map in self.maps.items()
-            },
+            "methods": {name: {key: vars(map)[key] for key in COUNTED} for name, map in self.maps.items()},
             "skipped": self.skipped,
             "tessellating": list(self.tessellating),
             "differences": {name: found.to_json() for name, found in self.differences.items()},
@@ -180,10 +180,8 @@ def causes_of(studies: Sequence[Study], name: str) -> Counter[str]:
 def _run(method: Method, problem: View, patient: bool) -> VisibilityMap:
     tests = problem.faces * problem.width * problem.height
     if method.exhaustive and tests > PATIENCE and not patient:
-        raise MethodError(
-            f"tests each of {problem.faces:,} faces at each sample, which may take minutes; "
-            f"name it to run it all the same"
-        )
+        why = f"tests each of {problem.faces:,} faces at each sample, which may take minutes"
+        raise MethodError(f"{why}; name it to run it all the same")
     method.warm_up(problem)
     # A geometry of its own: none profits from what another prepared.
     return method.render(replace(problem, placements=tuple(problem.placements)))

@@ -121,9 +121,7 @@ def _style(family: str, families: Sequence[str]) -> tuple[str, str]:
 def _write_notes(area: Axes, notes: Sequence[str]) -> None:
     for k, note in enumerate(notes):
         told, below = shorten(note, NOTE, placeholder=" ..."), (0.0, -38.0 - LINE * k)
-        area.annotate(
-            told, (0.0, 0.0), below, "axes fraction", "offset points", fontsize=7.5, color=GREY, va="top"
-        )
+        area.annotate(told, (0, 0), below, "axes fraction", "offset points", size=7.5, color=GREY, va="top")
 
 
 # ---------------------------------------------------------------- labels
@@ -256,14 +254,12 @@ class Span:
 
 def symlog(x: Any) -> Floats:
     """Return ``sign(x) log(1 + |x|)``."""
-    transformed: Floats = np.sign(x) * np.log1p(np.abs(x))
-    return transformed
+    return np.asarray(np.sign(x) * np.log1p(np.abs(x)), dtype=np.float64)
 
 
 def unsymlog(u: Any) -> Floats:
     """Return the inverse of :func:`symlog`."""
-    error: Floats = np.sign(u) * np.expm1(np.abs(u))
-    return error
+    return np.asarray(np.sign(u) * np.expm1(np.abs(u)), dtype=np.float64)
 
 
 def speed_svg(panels: Sequence[Panel], x_title: str, y_title: str) -> str:

@@ -248,7 +248,7 @@ def _matched(name: str, shown: VisibilityMap, file: Path, limits: Limits, subjec
     old = stored if isinstance(stored, dict) else contents(stored)
     told = f"  since {file.name} was written: {changes(old, new)}"
     if isinstance(stored, dict):
-        return _matched_hashes(name, file, (old, new), told, limits)
+        return _matched_hashes(name, file, old, new, told, limits)
     if old["size"] != new["size"]:
         return Match(file, (f"{name} vs {file.name}: {new['size']} is not {old['size']}", told), False, None)
     if limits.depth_ulps is not None and not stored.tells_depth:
@@ -260,10 +260,7 @@ def _matched(name: str, shown: VisibilityMap, file: Path, limits: Limits, subjec
     return Match(file, (judgement.text(), told), judgement.passed, judgement)
 
 
-def _matched_hashes(
-    name: str, file: Path, held: tuple[Contents, Contents], told: str, limits: Limits
-) -> Match:
-    old, new = held
+def _matched_hashes(name: str, file: Path, old: Contents, new: Contents, told: str, limits: Limits) -> Match:
     judged = ["faces", "size", *(["depths"] if limits.depth_ulps is not None else [])]
     changed = ", ".join(what for what in judged if old[what] != new[what])
     outcome = f"{changed} changed" if changed else "same hashes"

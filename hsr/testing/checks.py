@@ -204,17 +204,12 @@ def compared(picture: Pixels, reference: Pixels, min_similarity: float) -> tuple
 
     picture, reference = np.asarray(picture), np.asarray(reference)
     if picture.shape != reference.shape or picture.dtype != np.uint8 or reference.dtype != np.uint8:
-        raise CheckError(
-            f"pictures must be uint8 arrays of one shape, not {picture.dtype} {picture.shape} and "
-            f"{reference.dtype} {reference.shape}"
-        )
+        kinds = (f"{shown.dtype} {shown.shape}" for shown in (picture, reference))
+        raise CheckError(f"pictures must be uint8 arrays of one shape, not {' and '.join(kinds)}")
     if picture.ndim not in (2, 3) or min(picture.shape[:2]) < WINDOW:
         raise CheckError(f"pictures must be (H, W) or (H, W, 3), {WINDOW} pixels or more a side")
     axis = None if picture.ndim == 2 else -1
     alike = structural_similarity(picture, reference, win_size=WINDOW, channel_axis=axis)
-    other = (picture != reference).reshape(*picture.shape[:2], -1).any(axis=-1)
-    text = (
-        f"pictures: similarity {alike:.6g}, at least {min_similarity:g} demanded, "
-        f"{np.count_nonzero(other)} pixels of another colour\n  {WEAKER}"
-    )
-    return bool(alike >= min_similarity), text
+    other = (picture != reference).reshape(*picture.shape[:2], -1).any(axis=-1).sum()
+    told = f"similarity {alike:.6g}, at least {min_similarity:g} demanded, {other} pixels of another colour"
+    return bool(alike >= min_similarity), f"pictures: {told}\n  {WEAKER}"

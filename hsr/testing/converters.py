@@ -98,8 +98,8 @@ def from_ids(
 def _faces(number: Array, covered: Array, view: View | None, method: str) -> Ints:
     if view is not None and number.shape != (view.height, view.width):
         height, width = number.shape
-        size = f"{view.width}x{view.height}"
-        raise MapError(f"{method}: {width}x{height} is not the size of the view, {size}")
+        sizes = f"{width}x{height} is not the size of the view, {view.width}x{view.height}"
+        raise MapError(f"{method}: {sizes}")
     owner = None if view is None else view.tessellated().triangle_face
     last = int(np.iinfo(np.int32).max) if owner is None else len(owner) - 1
     strange = covered & ((number < 0) | (number > last))
@@ -313,7 +313,4 @@ def _tied_objects(ties: Admissible, objects: Ints) -> Admissible:
 
 def _objects(manifest: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """Return a manifest in which every object is one face."""
-    return [
-        {"name": entry["name"], "shape": entry["shape"], "first": k, "count": 1, "faces": [entry["name"]]}
-        for k, entry in enumerate(manifest)
-    ]
+    return [entry | {"first": k, "count": 1, "faces": [entry["name"]]} for k, entry in enumerate(manifest)]

@@ -79,10 +79,8 @@ class Limits:
             raise CheckError(f"allow={self.allow!r}{self._by('allow')}: write a set, {{{self.allow!r}}}")
         for name in self.allow:
             if name not in CAUSES:
-                raise CheckError(
-                    f"allow: there is no cause {name!r}{self._by('allow')}; "
-                    f"{nearest(name, CAUSES)}causes are {', '.join(CAUSES)}"
-                )
+                what = f"there is no cause {name!r}{self._by('allow')}; {nearest(name, CAUSES)}"
+                raise CheckError(f"allow: {what}causes are {', '.join(CAUSES)}")
         if all(getattr(self, name) is None for name in COUNTS):
             object.__setattr__(self, "max_diff_pixels", 0)
 
@@ -111,14 +109,11 @@ def merged(sources: Iterable[tuple[str, Mapping[str, Any]]]) -> Limits:
     CheckError
         If a limit does not exist or makes no sense.
     """
-    values: dict[str, Any] = {}
-    origin: dict[str, str] = {}
-    for who, given in sources:
-        for name, value in given.items():
-            if name not in NAMES:
-                raise CheckError(f"{who}: there is no limit {name!r}; there are {', '.join(NAMES)}")
-            values.setdefault(name, value)
-            origin.setdefault(name, who)
-    if "allow" in values and not isinstance(values["allow"], str):
+    given = {name: (value, who) for who, limits in reversed([*sources]) for name, value in limits.items()}
+    for name, (_, who) in given.items():
+        if name not in NAMES:
+            raise CheckError(f"{who}: there is no limit {name!r}; there are {', '.join(NAMES)}")
+    values: dict[str, Any] = {name: value for name, (value, _) in given.items()}
+    if not isinstance(values.get("allow", ""), str):
         values["allow"] = frozenset(values["allow"])
-    return Limits(**values, origin=origin)
+    return Limits(**values, origin={name: who for name, (_, who) in given.items()})

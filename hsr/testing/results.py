@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
+from bisect import bisect
 from collections.abc import Iterator, Sequence
+from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -70,8 +72,7 @@ def _unused(records: Sequence[dict[str, Any]], whole: Sequence[Path], root: Path
 def _lines(checks: Sequence[tuple[str, Check]], unused: Sequence[str], folder: Path) -> Iterator[str]:
     failed = sum(not check.passed for _, check in checks)
     yield f"{len(checks)} checks, {failed} failed: {(folder / PAGE).as_uri()}"
-    for file in unused:
-        yield f"unused baseline: {file}"
+    yield from (f"unused baseline: {file}" for file in unused)
     tried = [(test, check) for test, check in checks if check.lets_pass is not None]
     for test, check in tried:
         for mistake, wrong in (check.lets_pass or {}).items():
@@ -85,16 +86,11 @@ def _lines(checks: Sequence[tuple[str, Check]], unused: Sequence[str], folder: P
 
 def _summary(checks: Sequence[tuple[str, Check]], unused: Sequence[str]) -> str:
     """Write Markdown for a step summary: failed checks in full, as far as there is room."""
-    failed = [(test, check) for test, check in checks if not check.passed]
-    parts = [f"## Visibility: {len(checks)} checks, {len(failed)} failed\n"]
-    size = 0
-    for place, (test, check) in enumerate(failed):
-        part = f"\n### {test}\n\n```\n{check.text}\n```\n"
-        size += len(part.encode())
-        if size > MAX_SUMMARY:
-            parts.append(f"\nand {len(failed) - place} more, for which there is no room here\n")
-            break
-        parts.append(part)
+    parts = [f"\n### {test}\n\n```\n{check.text}\n```\n" for test, check in checks if not check.passed]
+    room = bisect(list(accumulate(len(part.encode()) for part in parts)), MAX_SUMMARY)
+    told = [f"## Visibility: {len(checks)} checks, {len(parts)} failed\n", *parts[:room]]
+    if room < len(parts):
+        told.append(f"\nand {len(parts) - room} more, for which there is no room here\n")
     if unused:
-        parts.append("\n### Unused baselines\n\n" + "".join(f"- `{file}`\n" for file in unused))
-    return "".join(parts)
+        told.append("\n### Unused baselines\n\n" + "".join(f"- `{file}`\n" for file in unused))
+    return "".join(told)
