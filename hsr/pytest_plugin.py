@@ -66,7 +66,7 @@ def pytest_configure(config: pytest.Config) -> None:
         raise pytest.UsageError(f"hsr_baselines: expected maps or hashes, got {keep!r}")
     list(_limits(config))
     kind = _Worker if hasattr(config, "workerinput") else _Gatherer
-    config.pluginmanager.register(kind(config), "hsr-results")
+    config.pluginmanager.register(kind(config), "hsr-gatherer")
 
 
 # ---------------------------------------------------------------- the fixture

@@ -15,6 +15,6 @@ def accept(
     results: Annotated[Path, Option(help="Folder of the run's results.")] = Path(".hsr-results"),
 ) -> None:
     """Replace baselines of tests as decided in the page of a test run; run it in the project's root."""
-    from hsr.testing.accepting import apply
+    from hsr.testing import results as run
 
-    cli.say(*apply(decisions, results, Path()))
+    cli.say(*run.accept(decisions, results, Path()))

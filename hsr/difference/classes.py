@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -53,8 +53,7 @@ DIFFERENT = tuple(kind.label for kind in (*OTHER_OWNER, SampleClass.DEPTH_ONLY, 
 """Names of all classes but *same*."""
 
 
-@dataclass(frozen=True)
-class Cluster:
+class Cluster(NamedTuple):
     """Differing samples that hang together, over sides or corners.
 
     Attributes
@@ -79,8 +78,7 @@ class Cluster:
     expected: int
 
 
-@dataclass(frozen=True)
-class DepthError:
+class DepthError(NamedTuple):
     """How far the depths lie apart where both maps show the same face, in scene units.
 
     Attributes
@@ -101,8 +99,7 @@ class DepthError:
     where: tuple[int, int] | None = None
 
 
-@dataclass(frozen=True)
-class Verdict:
+class Verdict(NamedTuple):
     """Who is right at the samples where a and b show different owners."""
 
     a_right: int
@@ -232,7 +229,7 @@ class Difference:
         if len(named) < len(self.clusters):
             lines.append(f"  and {len(self.clusters) - len(named)} more clusters")
         if self.verdict is not None:
-            a, b, neither = self.verdict.a_right, self.verdict.b_right, self.verdict.neither
+            a, b, neither = self.verdict
             lines.append(f"  right there: {self.a.method} {a}, {self.b.method} {b}, neither {neither}")
         return "\n".join(lines)
 
@@ -289,8 +286,8 @@ class Difference:
             "cluster_count": len(self.clusters),
             "largest_cluster": self.largest,
             "clusters": [self._cluster_json(cluster) for cluster in self.clusters[:LISTED_JSON]],
-            "depth": vars(self.depth) | {"where": self.depth.where and list(self.depth.where)},
-            "truth": verdict and vars(verdict),
+            "depth": self.depth._asdict() | {"where": self.depth.where and list(self.depth.where)},
+            "truth": verdict and verdict._asdict(),
         }
 
     def _cluster_json(self, cluster: Cluster) -> dict[str, Any]:

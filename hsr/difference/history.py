@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property, lru_cache, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -105,8 +105,7 @@ class Entry:
         }
 
 
-@dataclass(frozen=True)
-class Story:
+class Story(NamedTuple):
     """What one method shows, and why.
 
     Attributes
@@ -133,7 +132,7 @@ class Story:
 
     def to_json(self) -> dict[str, Any]:
         """Return all of it as JSON values."""
-        return vars(self) | {"depth": self.depth if np.isfinite(self.depth) else None}
+        return self._asdict() | {"depth": self.depth if np.isfinite(self.depth) else None}
 
 
 @dataclass(frozen=True)
@@ -218,9 +217,8 @@ class History:
         admissible = entry.layer.face in self.admissible
         tie = "  admissible" if admissible and len(self.admissible) > 1 else ""
         line = f"{entry.name}  {entry.layer.facing}  {numbers}{tie}{_edges(entry)}"
-        methods: dict[str, list[str]] = {}
-        for method, verdict in entry.verdicts.items():
-            methods.setdefault(verdict, []).append(method)
+        said = entry.verdicts
+        methods = {verdict: [name for name in said if said[name] == verdict] for verdict in said.values()}
         verdicts = [[verdict, ", ".join(named)] for verdict, named in methods.items()]
         return {"line": line, "admissible": admissible, "verdicts": verdicts}
 
@@ -319,9 +317,8 @@ class Historian:
             return {telling.answer.method: said[telling.shows] for telling in told}
 
         owners = {face: self.name(face) for face in sorted(seen.admissible)}
-        entries = (
-            Entry(self.name(x.face), x, window_depth(self.view, x.depth), verdicts) for x in seen.layers
-        )
+        deep = partial(window_depth, self.view)
+        entries = (Entry(self.name(x.face), x, deep(x.depth), verdicts) for x in seen.layers)
         stories = tuple(telling.story() for telling in told)
         return History(*divmod(sample, size[0]), size, self.name(seen.owner), owners, tuple(entries), stories)
 
@@ -332,9 +329,8 @@ class Historian:
         def matters(sample: int) -> bool:
             return any(self.cause(sample, answer) == Cause.TESSELLATION for answer in self.maps)
 
-        return sightlines(
-            faces_nearby(self.view.tessellated(), np.array([*filter(matters, self.sightlines)]))
-        )
+        samples = np.array([*filter(matters, self.sightlines)])
+        return sightlines(faces_nearby(self.view.tessellated(), samples))
 
     def _cause(self, sample: int, answer: VisibilityMap) -> Cause:
         """Return the stage at which a method goes wrong at a sample, if it does."""
@@ -485,9 +481,8 @@ class _Telling:
         return f"{polygons}{name} miss the sample by {missed:.3g} px"
 
 
-@lru_cache(maxsize=1)  # the whole view is drawn; kept for the next samples of it
-def _drawing(view: View) -> Drawing:
-    return Drawing(view)
+# The whole view is drawn; kept for the next samples of it.
+_drawing = lru_cache(maxsize=1)(Drawing)
 
 
 def _inside(distance: float) -> str:

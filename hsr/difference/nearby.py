@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,8 +24,7 @@ for the bound's own, and for dividing by a rounded w, which is at least twice it
 """
 
 
-@dataclass(frozen=True, eq=False)
-class Nearby:
+class Nearby(NamedTuple):
     """What is left of a view if only the faces near some samples are looked at.
 
     Of meshes the polygons that may come near are left, each a face of its own; other shapes stay whole.

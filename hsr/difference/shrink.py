@@ -9,10 +9,9 @@ in the whole scene.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from itertools import groupby, pairwise
 from operator import itemgetter
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -38,8 +37,7 @@ Part = tuple[int, int]
 WHOLE = -1
 
 
-@dataclass(frozen=True)
-class Shrunk:
+class Shrunk(NamedTuple):
     """A small scene in which two methods disagree at a sample.
 
     Attributes
@@ -95,8 +93,9 @@ def shrink(
         If a method needs what this machine lacks.
     """
     whole = view(scene, size, camera)
-    bench = _Bench(scene, whole, (row, column), (a, b), camera)
     check_sample(whole, row, column)
+    seen_by = next(one for one in scene.camera if camera in (None, one.name))
+    bench = _Bench(scene.model_copy(update={"camera": (seen_by,)}), whole, (row, column), (a, b))
     sample = np.array([row * whole.width + column])
     nearby, everything = faces_nearby(whole, sample).origin, np.arange(whole.faces, dtype=np.int32)
     shown = bench.shown(whole, everything)
@@ -153,12 +152,8 @@ def minimised(items: Sequence[Item], holds: Callable[[Sequence[Item]], bool]) ->
 class _Bench:
     """Where small scenes are put together from parts of a scene, and tried."""
 
-    def __init__(
-        self, scene: Scene, view: View, sample: tuple[int, int], methods: tuple[str, str], camera: str | None
-    ) -> None:
-        self.view, self.sample, self.methods = view, sample, methods
-        self.camera = next(one for one in scene.camera if camera in (None, one.name))
-        self.scene, self.trials = scene, 0
+    def __init__(self, scene: Scene, view: View, sample: tuple[int, int], methods: tuple[str, str]) -> None:
+        self.scene, self.view, self.sample, self.methods, self.trials = scene, view, sample, methods, 0
         self.things = [thing for thing in scene.object for _ in copies(thing)]
 
     def parts(self, faces: Ints, apart: bool) -> list[Part]:
@@ -193,12 +188,10 @@ class _Bench:
             origin.append(face + np.int32(placement.first))
         names = unique([thing.name for thing in things])
         named = (thing.model_copy(update={"name": name}) for thing, name in zip(things, names, strict=True))
-        update = {"camera": (self.camera,), "object": tuple(named)}
-        return self.scene.model_copy(update=update), np.concatenate(origin)
+        return self.scene.model_copy(update={"object": tuple(named)}), np.concatenate(origin)
 
     def _object_of(self, thing: Object, placement: Placement, triangles: list[int]) -> tuple[Object, Ints]:
-        steps = _steps(placement.world_from_object)
-        polygons = placement.shape.polygons
+        steps, polygons = _steps(placement.world_from_object), placement.shape.polygons
         if triangles == [WHOLE] or polygons is None:
             whole = thing.model_copy(update={"name": placement.name, "transform": steps, "scatter": None})
             return whole, np.arange(placement.shape.faces, dtype=np.int32)

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import chain, pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -39,8 +40,7 @@ CULLED = {CULL["none"]: "", CULL["back"]: BACK, CULL["front"]: FRONT}
 """The side that an object culls."""
 
 
-@dataclass(frozen=True)
-class Layer:
+class Layer(NamedTuple):
     """One side of a face, where the line of sight meets it or just misses it.
 
     Attributes

@@ -155,21 +155,13 @@ def study(
                 missing.add(method.name)
     truth = maps.get(reference)
     others = {name: map for name, map in maps.items() if truth and name != reference}
-    return Study(
-        name or scene.title or "scene",
-        scene,
-        problem,
-        camera or scene.camera[0].name,
-        tuple(method.name for method in chosen),
-        reference if truth else None,
-        maps,
-        skipped,
-        frozenset(missing),
-        tuple(method.name for method in chosen if problem.curved and not method.curved),
-        {name: compare(map, truth) for name, map in others.items() if truth},
-        {name: causes(problem, map, truth) for name, map in others.items() if truth and truth.admissible},
-        _agreement(list(maps.values())),
-    )
+    names = tuple(method.name for method in chosen)
+    tessellating = tuple(method.name for method in chosen if problem.curved and not method.curved)
+    differences = {name: compare(map, truth) for name, map in others.items() if truth}
+    why = {name: causes(problem, map, truth) for name, map in others.items() if truth and truth.admissible}
+    title, judge = name or scene.title or "scene", reference if truth else None
+    found = maps, skipped, frozenset(missing), tessellating, differences, why, _agreement(list(maps.values()))
+    return Study(title, scene, problem, camera or scene.camera[0].name, names, judge, *found)
 
 
 def causes_of(studies: Sequence[Study], name: str) -> Counter[str]:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from html import escape
 from itertools import pairwise
 from textwrap import shorten
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -184,8 +184,7 @@ def _write_labels(
 # ---------------------------------------------------------------- speed against error
 
 
-@dataclass(frozen=True)
-class Mark:
+class Mark(NamedTuple):
     """One method in a panel.
 
     Attributes
@@ -210,8 +209,7 @@ class Mark:
     about: str = ""
 
 
-@dataclass(frozen=True)
-class Panel:
+class Panel(NamedTuple):
     """The marks of one case, and notes on the methods that have none."""
 
     title: str
@@ -328,8 +326,7 @@ def _draw_marks(
 # ---------------------------------------------------------------- growth
 
 
-@dataclass(frozen=True)
-class Curve:
+class Curve(NamedTuple):
     """Times of one method over a size, and what theory says of it.
 
     Attributes
@@ -350,8 +347,7 @@ class Curve:
     theory: Sequence[float] = ()
 
 
-@dataclass(frozen=True)
-class Growth:
+class Growth(NamedTuple):
     """The curves of one series."""
 
     title: str

@@ -11,18 +11,17 @@ import hashlib
 import json
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from hsr.base.errors import CheckError, MapError
 from hsr.base.files import write_whole
 from hsr.problem.map import BACKGROUND, NO_DEPTH, VisibilityMap, load_map
-from hsr.testing.judging import Judgement, judge
+from hsr.testing.judging import Judgement, Subject, judge
 from hsr.testing.limits import Limits
-from hsr.testing.subject import Subject
 
 FORMAT = 1
 """The version of a file of hashes."""
@@ -186,8 +185,7 @@ def read(file: Path) -> VisibilityMap | Contents:
 # ---------------------------------------------------------------- matching
 
 
-@dataclass(frozen=True, eq=False)
-class Match:
+class Match(NamedTuple):
     """How a map compares with one baseline.
 
     Attributes
@@ -239,7 +237,7 @@ def match(
     nearest = min(found, key=lambda found: found.judgement.counted if found.judgement else np.inf)
     if len(found) == 1:
         return nearest
-    return replace(nearest, lines=(f"none of {len(found)} baselines matches; the nearest:", *nearest.lines))
+    return nearest._replace(lines=(f"none of {len(found)} baselines matches; the nearest:", *nearest.lines))
 
 
 def _matched(name: str, shown: VisibilityMap, file: Path, limits: Limits, subject: Subject | None) -> Match:

@@ -12,9 +12,8 @@ from hsr.base.arrays import Pixels
 from hsr.base.errors import CheckError, VisibilityError
 from hsr.problem.map import VisibilityMap
 from hsr.testing.baselines import match
-from hsr.testing.judging import Judgement, judge
+from hsr.testing.judging import Judgement, Maps, Showing, judge, subject_of
 from hsr.testing.limits import Limits, merged
-from hsr.testing.subject import Maps, Showing, subject_of
 
 CALLER = "caller"
 """Who sets the limits that are given to a function."""

@@ -1,13 +1,15 @@
-"""From two maps to a judgement: what differs, why, and which limit that breaks."""
+"""From two maps to a judgement: what they show, what differs, why, and which limit that breaks."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
-from hsr.algorithms.registry import methods
+from hsr.algorithms.registry import methods, render
 from hsr.base.arrays import Bools, Ints
 from hsr.base.errors import CheckError
 from hsr.difference.cause import Causes, causes
@@ -16,8 +18,43 @@ from hsr.difference.history import history
 from hsr.mistakes.planted import MISTAKES, planted
 from hsr.models.stages import Cause
 from hsr.problem.map import BACKGROUND, VisibilityMap
+from hsr.problem.view import View, view
+from hsr.scene.files import load
+from hsr.scene.model import Scene
 from hsr.testing.limits import REFERENCE_WRONG, Limits
-from hsr.testing.subject import Subject
+
+Showing = Scene | View | str | Path | None
+"""What a test may give as its scene: a scene, its file, the view itself, or nothing."""
+
+
+Maps = Mapping[str, VisibilityMap]
+"""Maps by the name under which a message speaks of them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """What the maps of a check show, where the test says so: it makes the truth known.
+
+    Attributes
+    ----------
+    view : View
+    file : str
+        The scene file, empty if the test names none.
+    scene : Scene or None
+        The scene, None if the test gives a view alone.
+    camera : str
+        Name of the camera in it, empty for the first.
+    """
+
+    view: View
+    file: str = ""
+    scene: Scene | None = None
+    camera: str = ""
+
+    @cached_property
+    def truth(self) -> VisibilityMap:
+        """The exact map, with its ties."""
+        return render(self.view, "exact")
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,6 +175,43 @@ class Judgement:
         yield from (f"  limit {line}" for line in self.broken)
         if not self.passed:
             yield from _hint(self.difference, self.subject)
+
+
+# ---------------------------------------------------------------- judging
+
+
+def subject_of(scene: Showing, camera: str | None, shown: VisibilityMap) -> Subject | None:
+    """Return what a map shows, from what a test says of it; nothing if it says nothing.
+
+    Parameters
+    ----------
+    scene : Scene, View, str, Path or None
+    camera : str or None
+        Name of the camera; the scene's first by default.
+    shown : VisibilityMap
+        Gives the size of the image.
+
+    Raises
+    ------
+    HsrError
+        If the scene cannot be read, has no such camera, or the map is not one of its faces.
+    """
+    if scene is None:
+        return None
+    file = str(scene) if isinstance(scene, str | Path) else ""
+    given = load(file) if file else scene
+    if isinstance(given, Scene):
+        found = Subject(view(given, (shown.width, shown.height), camera), file, given, camera or "")
+    elif isinstance(given, View):
+        found = Subject(given)
+    else:
+        raise CheckError(f"scene must be a scene, its file or a view, not {type(scene).__name__}")
+    if (found.view.width, found.view.height) != (shown.width, shown.height):
+        sizes = f"{shown.width}x{shown.height} samples and the view {found.view.width}x{found.view.height}"
+        raise CheckError(f"the map of {shown.method} has {sizes}; render it at that size")
+    if shown.manifest and shown.manifest != found.view.manifest:
+        raise CheckError(f"the map of {shown.method} has other faces than the scene; leave 'scene' out")
+    return found
 
 
 def judge(

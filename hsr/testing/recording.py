@@ -20,9 +20,8 @@ from hsr.scene.model import Mesh, Object, Scene
 from hsr.scene.writing import write_scene
 from hsr.testing.baselines import FOLDER, SUFFIXES, contents, file_stem, match, variants, write
 from hsr.testing.checks import MIN_SIMILARITY, agreement, compared
-from hsr.testing.judging import Judgement, let_through
+from hsr.testing.judging import Judgement, Maps, Showing, let_through, subject_of
 from hsr.testing.limits import Limits, merged
-from hsr.testing.subject import Maps, Showing, subject_of
 
 ITEMS = "items"
 """Folder among the results with a JSON file and the failed maps of every test."""
@@ -284,10 +283,8 @@ class Visibility:
         __tracebackhide__ = True
         for check in checks:
             words = ", ".join(f"{count} {label}" for label, count in check.counts.items())
-            outcome = "passed" if check.passed else "failed"
-            self._test.user_properties.append(
-                (f"visibility {check.name}", f"{outcome}: {words}" if words else outcome)
-            )
+            outcome = ": ".join(filter(None, ("passed" if check.passed else "failed", words)))
+            self._test.user_properties.append((f"visibility {check.name}", outcome))
             if check.shown:
                 check.text += f"\n  {(self._results / PAGE).as_uri()}{check.link}"
         failed = [check.text for check in checks if not check.passed]

@@ -12,9 +12,8 @@ from hsr.base.errors import ViewError
 from hsr.mistakes.planted import MISTAKES, planted
 from hsr.mistakes.renderers import Buffer
 from hsr.problem.view import View
-from hsr.testing.judging import let_through
+from hsr.testing.judging import Subject, let_through
 from hsr.testing.limits import Limits
-from hsr.testing.subject import Subject
 
 TURNED = [{"rotate_x": 20.0}, {"rotate_y": 35.0}]
 WALL = {"name": "wall", "shape": "square", "transform": [{"scale": 1.7}, {"rotate_y": -50.0}]}

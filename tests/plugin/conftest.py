@@ -31,7 +31,6 @@ def everything_imported() -> None:
     modules = {module for row in rows for module in (row.module, row.pipeline) if module}
     more = (
         "hsr.testing.results",
-        "hsr.testing.accepting",
         "hsr.cli",
         "skimage.metrics",
         "hypothesis",

@@ -14,9 +14,8 @@ import hsr
 from hsr.base.errors import CheckError
 from hsr.problem.map import Admissible, VisibilityMap, depth_format
 from hsr.problem.view import View
-from hsr.testing.judging import judge
+from hsr.testing.judging import Subject, judge, subject_of
 from hsr.testing.limits import Limits
-from hsr.testing.subject import Subject, subject_of
 
 
 def a_map(face: Any, depth: Any = 2.0, method: str = "a", **more: Any) -> VisibilityMap:
