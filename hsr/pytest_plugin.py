@@ -133,17 +133,14 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
     try:
         yield
     except UnavailableError as error:
+        ours = FIXTURE in getattr(item, "fixturenames", ()) or item.get_closest_marker(FIXTURE)
         required = isinstance(error, NoOpenGLError) and item.config.getoption("hsr_require_gl")
-        if required or not _checks_visibility(item):
+        if required or not ours:
             raise
         pytest.skip(str(error))
 
 
 pytest_runtest_setup = pytest_runtest_call
-
-
-def _checks_visibility(item: pytest.Item) -> bool:
-    return FIXTURE in getattr(item, "fixturenames", ()) or item.get_closest_marker(FIXTURE) is not None
 
 
 # ---------------------------------------------------------------- the results of a run

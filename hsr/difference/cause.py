@@ -113,7 +113,7 @@ def causes_by(
     samples = np.flatnonzero(~truth.admits(answer.face))
     cause = np.zeros(answer.face.shape, dtype=np.uint8)
     cause.ravel()[samples] = causes_at(method, view, samples, answer.face.ravel()[samples], **options)
-    return Causes(answer.method, cause, _reproduced(method, view, answer, options))
+    return Causes(answer.method, cause, _reproduced(*_modelled(method, options), view, answer))
 
 
 def _check(view: View, answer: VisibilityMap, truth: VisibilityMap) -> None:
@@ -136,8 +136,7 @@ def causes_at(method: Method | None, view: View, samples: Array, shown: Array, *
         return cause
     alike = np.arange(len(samples))
     for stage in reversed(pipeline.stages):
-        untouched = stage.cause == Cause.TESSELLATION and not view.curved
-        if untouched or not len(alike):
+        if not len(alike) or (stage.cause == Cause.TESSELLATION and not view.curved):
             break
         alike = alike[stage.faces(view, chosen, samples[alike]) == shown[alike]]
         cause[alike] = stage.cause
@@ -156,10 +155,7 @@ def _modelled(method: Method | None, options: dict[str, Any]) -> tuple[Pipeline 
     return pipeline, method.options(**options) if method and pipeline else None
 
 
-def _reproduced(
-    method: Method | None, view: View, answer: VisibilityMap, options: dict[str, Any]
-) -> bool | None:
-    pipeline, chosen = _modelled(method, options)
+def _reproduced(pipeline: Pipeline | None, chosen: Any, view: View, answer: VisibilityMap) -> bool | None:
     if pipeline is None or pipeline.whole is None:
         return None
     face, depth = pipeline.whole(view, chosen)

@@ -254,15 +254,14 @@ class Difference:
         return class_picture(self.classes, self.b.face != BACKGROUND, colours)
 
     def _headline(self) -> str:
-        size = f"{self.a.width}x{self.a.height}"
+        size, counts = f"{self.a.width}x{self.a.height}", self.counts
+        told = {kind: f"{counts[kind.label]} {kind.label}" for kind in SampleClass if counts[kind.label]}
         text = f"{self.a.method} vs {self.b.method}  {size}  {self.different} differ"
-        counts = self.counts
-        parts = [f"{counts[kind.label]} {kind.label}" for kind in OTHER_OWNER if counts[kind.label]]
-        if parts:
-            text += f" ({', '.join(parts)}), largest cluster {self.largest}, {self.near} off by one pixel"
-        for kind in (SampleClass.DEPTH_ONLY, SampleClass.TIE):
-            text += f"; {counts[kind.label]} {kind.label}" if counts[kind.label] else ""
-        return text
+        if not self.same:
+            parts = ", ".join(told[kind] for kind in OTHER_OWNER if kind in told)
+            text += f" ({parts}), largest cluster {self.largest}, {self.near} off by one pixel"
+        beside = (SampleClass.DEPTH_ONLY, SampleClass.TIE)
+        return text + "".join(f"; {told[kind]}" for kind in beside if kind in told)
 
     def describe(self, cluster: Cluster) -> str:
         """Say in one line where a cluster is and which faces are concerned."""
@@ -405,8 +404,7 @@ def depth_step(map: VisibilityMap, depth: Floats) -> Floats:
     step, near = float(form["step"]), float(form["near"])
     far = math.inf if form["far"] is None else float(form["far"])
     if form["stored"] == "distance":
-        relative: Floats = step * np.abs(depth)
-        return relative
+        return np.asarray(step * np.abs(depth), dtype=np.float64)
     if form["stored"] == "window" and form["perspective"]:
         return step * depth**2 * (1.0 / near - 1.0 / far)
     return np.full_like(depth, step * (far - near))

@@ -20,7 +20,7 @@ from hsr.base.arrays import Floats, Ints
 from hsr.base.errors import MethodError
 from hsr.difference.nearby import check_sample, faces_nearby
 from hsr.problem.map import BACKGROUND, name_in
-from hsr.problem.view import Placement, View, view
+from hsr.problem.view import View, view
 from hsr.scene.gltf import unique
 from hsr.scene.model import Mesh, Object, Scene, Step
 from hsr.scene.shapes import Polygons
@@ -133,15 +133,13 @@ def minimised(items: Sequence[Item], holds: Callable[[Sequence[Item]], bool]) ->
     kept, granularity = list(items), 2
     while len(kept) >= 2:
         ends = np.linspace(0, len(kept), granularity + 1).astype(int)
-        subsets = [kept[start:end] for start, end in pairwise(ends)]
-        complements = [kept[:start] + kept[end:] for start, end in pairwise(ends)]
-        subset = next(filter(holds, subsets), None)
-        # Of two subsets, each is the other's complement.
-        complement = next(filter(holds, complements), None) if subset is None and granularity > 2 else None
-        if subset is not None:
-            kept, granularity = subset, 2
-        elif complement is not None:
-            kept, granularity = complement, granularity - 1
+        parts = [(kept[start:end], kept[:start] + kept[end:]) for start, end in pairwise(ends)]
+        smaller = [(part, 2) for part, _ in parts]
+        if granularity > 2:  # of two parts, each is what is left without the other
+            smaller += [(rest, granularity - 1) for _, rest in parts]
+        found = next((one for one in smaller if holds(one[0])), None)
+        if found is not None:
+            kept, granularity = found
         elif granularity < len(kept):
             granularity = min(2 * granularity, len(kept))
         else:
@@ -180,26 +178,24 @@ class _Bench:
 
     def scene_of(self, parts: Sequence[Part]) -> tuple[Scene, Ints]:
         """Put parts together; return also the face of the whole scene that each face of theirs is."""
-        things, origin = [], []
-        for number, group in groupby(parts, key=itemgetter(0)):
-            placement, triangles = self.view.placements[number], [triangle for _, triangle in group]
-            thing, face = self._object_of(self.things[number], placement, triangles)
-            things.append(thing)
-            origin.append(face + np.int32(placement.first))
-        names = unique([thing.name for thing in things])
-        named = (thing.model_copy(update={"name": name}) for thing, name in zip(things, names, strict=True))
-        return self.scene.model_copy(update={"object": tuple(named)}), np.concatenate(origin)
+        groups = groupby(parts, key=itemgetter(0))
+        made = [self._object_of(number, [triangle for _, triangle in group]) for number, group in groups]
+        names = unique([thing.name for thing, _ in made])
+        named = (one.model_copy(update={"name": name}) for (one, _), name in zip(made, names, strict=True))
+        whole = self.scene.model_copy(update={"object": tuple(named)})
+        return whole, np.concatenate([face for _, face in made])
 
-    def _object_of(self, thing: Object, placement: Placement, triangles: list[int]) -> tuple[Object, Ints]:
+    def _object_of(self, number: int, triangles: list[int]) -> tuple[Object, Ints]:
+        thing, placement = self.things[number], self.view.placements[number]
         steps, polygons = _steps(placement.world_from_object), placement.shape.polygons
         if triangles == [WHOLE] or polygons is None:
             whole = thing.model_copy(update={"name": placement.name, "transform": steps, "scatter": None})
-            return whole, np.arange(placement.shape.faces, dtype=np.int32)
+            return whole, np.arange(placement.shape.faces, dtype=np.int32) + np.int32(placement.first)
         vertices, faces = _inline(polygons, triangles)
         mesh = Mesh(name=placement.name, shape="mesh", vertices=vertices, faces=faces)
         placed = {"transform": steps, "cull": thing.cull, "colour": thing.colour}
         mesh = mesh.model_copy(update={key: value for key, value in placed.items() if value})
-        return mesh, polygons.triangle_face[triangles]
+        return mesh, polygons.triangle_face[triangles] + np.int32(placement.first)
 
     def titled(self, small: Scene, faces: Sequence[str]) -> Scene:
         """Write into a scene what it shows, and what its faces were called."""

@@ -8,10 +8,10 @@ any colour vision can tell apart; every family has a shape of its own besides.
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from itertools import pairwise
+from itertools import cycle, pairwise
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -41,6 +41,9 @@ LINE = 10.5
 
 STEP = 1.5
 """How finely labels are moved to find room, in points."""
+
+Styles = dict[str, tuple[str, str]]
+"""The colour and the shape of every family."""
 
 Box = tuple[float, float, float, float]
 """Left, bottom, right and top, in points from the lower left of a panel."""
@@ -112,10 +115,9 @@ def _name_axes(area: Axes, title: str, x_title: str, y_title: str) -> None:
     area.spines[["left", "bottom"]].set_color(GREY)
 
 
-def _style(family: str, families: Sequence[str]) -> tuple[str, str]:
-    """Return the colour and the shape of a family: those of its place among all."""
-    k = families.index(family)
-    return COLOURS[k % len(COLOURS)], SHAPES[k % len(SHAPES)]
+def _styles(families: Iterable[str]) -> Styles:
+    """Give each family a colour and a shape, by its place among all."""
+    return dict(zip(dict.fromkeys(families), cycle(zip(COLOURS, SHAPES, strict=True)), strict=False))
 
 
 def _write_notes(area: Axes, notes: Sequence[str]) -> None:
@@ -276,12 +278,12 @@ def speed_svg(panels: Sequence[Panel], x_title: str, y_title: str) -> str:
     """
     span = Span.of(panels)
     titles: dict[str, str] = {}
-    families = list(dict.fromkeys(mark.family for panel in panels for mark in panel.marks))
+    styles = _styles(mark.family for panel in panels for mark in panel.marks)
     figure, axes = _figure(len(panels), COLUMNS, 1 + max(len(panel.notes) for panel in panels))
     for k, (panel, area) in enumerate(zip(panels, axes, strict=True)):
         _name_axes(area, panel.title, x_title, "" if k % COLUMNS else y_title)
         _scale(area, span)
-        _draw_marks(area, panel, span, families, titles)
+        _draw_marks(area, panel, span, styles, titles)
         _write_notes(area, panel.notes if k else (KEY, *panel.notes))
     return svg(figure, titles)
 
@@ -291,20 +293,14 @@ def _scale(area: Axes, span: Span) -> None:
     area.set_xscale("function", functions=(symlog, unsymlog))
     area.set_xlim(span.LEFT, span.right)
     area.set_ylim(span.bottom, span.top)
-    area.set_xticks(span.error_ticks(), [_tick(x) for x in span.error_ticks()])
-    area.set_yticks(span.time_ticks(), [_tick(y) for y in span.time_ticks()])
+    for axis, ticks in ((area.xaxis, span.error_ticks()), (area.yaxis, span.time_ticks())):
+        axis.set_ticks(ticks, [f"{tick:,.0f}" if tick >= 1.0 else f"{tick:g}" for tick in ticks])
     area.minorticks_off()
     area.axvspan(span.LEFT, -span.LEFT, color=PALE, lw=0)
     area.grid(axis="y", color="#dddddd", lw=0.6)
 
 
-def _tick(value: float) -> str:
-    return f"{value:,.0f}" if value >= 1.0 else f"{value:g}"
-
-
-def _draw_marks(
-    area: Axes, panel: Panel, span: Span, families: Sequence[str], titles: dict[str, str]
-) -> None:
+def _draw_marks(area: Axes, panel: Panel, span: Span, styles: Styles, titles: dict[str, str]) -> None:
     """Draw the marks of a panel and its frontier; add what each mark tells, by its id in the picture."""
     if not panel.marks:
         return
@@ -315,7 +311,7 @@ def _draw_marks(
     labels = [mark.label for mark in panel.marks]
     texts = _write_labels(area, [(mark.x, mark.y) for mark in panel.marks], labels, corners)
     for mark, text in zip(panel.marks, texts, strict=True):
-        colour, shape = _style(mark.family, families)
+        colour, shape = styles[mark.family]
         area.plot([mark.x] * 2, [mark.low, mark.high], color=colour, lw=1.2, zorder=2)
         gid = f"mark-{len(titles)}"
         area.plot(mark.x, mark.y, shape, color=colour, ms=6, mec="white", mew=0.6, zorder=3, gid=gid)
@@ -370,20 +366,20 @@ def growth_svg(series: Sequence[Growth], y_title: str) -> str:
     str
         The same for the same curves.
     """
-    families = list(dict.fromkeys(curve.family for one in series for curve in one.curves))
+    styles = _styles(curve.family for one in series for curve in one.curves)
     figure, axes = _figure(len(series), 2, 1)
     for k, (one, area) in enumerate(zip(series, axes, strict=True)):
         _name_axes(area, one.title, one.x_title, "" if k % 2 else y_title)
-        _draw_curves(area, one.curves, families)
+        _draw_curves(area, one.curves, styles)
     _write_notes(axes[-1], (GROWTH_KEY,))
     return svg(figure)
 
 
-def _draw_curves(area: Axes, curves: Sequence[Curve], families: Sequence[str]) -> None:
+def _draw_curves(area: Axes, curves: Sequence[Curve], styles: Styles) -> None:
     area.loglog()
     area.grid(color="#e4e4e4", lw=0.6)
     for curve in curves:
-        colour, shape = _style(curve.family, families)
+        colour, shape = styles[curve.family]
         area.fill_between(curve.x, curve.low, curve.high, color=colour, alpha=0.25, lw=0)
         area.plot(curve.x, curve.y, shape, color=colour, ms=4.5, ls="-", lw=1.1, mec="white", mew=0.4)
         if curve.theory:

@@ -172,14 +172,19 @@ def read(file: Path) -> VisibilityMap | Contents:
             return load_map(file)
         except MapError as error:
             raise CheckError(f"{error}; {ANEW}") from None
-    try:
-        held = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise CheckError(f"{file}: not a baseline ({error}); {ANEW}") from None
+    held = read_json(file, "not a baseline", f"; {ANEW}")
     known = ("faces", "depths", "scene", "camera", "size", "renderer")
     if not isinstance(held, dict) or held.pop("hsr", None) != FORMAT or sorted(held) != sorted(known):
         raise CheckError(f"{file}: not a baseline of version {FORMAT}; {ANEW}")
     return held
+
+
+def read_json(file: Path, complaint: str, remedy: str = "") -> Any:
+    """Read a file of JSON; :class:`CheckError` if that fails."""
+    try:
+        return json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise CheckError(f"{file}: {complaint} ({error}){remedy}") from None
 
 
 # ---------------------------------------------------------------- matching

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ from hsr.base.arrays import Pixels
 from hsr.base.errors import CheckError, VisibilityError
 from hsr.problem.map import VisibilityMap
 from hsr.testing.baselines import match
-from hsr.testing.judging import Judgement, Maps, Showing, judge, subject_of
+from hsr.testing.judging import Files, Judgement, Maps, Showing, judge, subject_of
 from hsr.testing.limits import Limits, merged
 
 CALLER = "caller"
@@ -113,12 +112,7 @@ def assert_same_visibility(
 
 
 def assert_matches_baseline(
-    map: VisibilityMap,
-    files: Iterable[str | Path],
-    *,
-    scene: Showing = None,
-    camera: str | None = None,
-    **limits: Any,
+    map: VisibilityMap, files: Files, *, scene: Showing = None, camera: str | None = None, **limits: Any
 ) -> None:
     """Assert that a map shows what any of several stored baselines shows.
 

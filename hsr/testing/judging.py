@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -26,6 +26,8 @@ from hsr.testing.limits import REFERENCE_WRONG, Limits
 Showing = Scene | View | str | Path | None
 """What a test may give as its scene: a scene, its file, the view itself, or nothing."""
 
+
+Files = Iterable[str | Path]
 
 Maps = Mapping[str, VisibilityMap]
 """Maps by the name under which a message speaks of them."""
@@ -130,9 +132,7 @@ class Judgement:
     @property
     def sample(self) -> tuple[int, int] | None:
         """(row, column) of the sample to look at first."""
-        if self.groups:
-            return self.groups[0].clusters[0].sample
-        return self.difference.depth.where
+        return self.groups[0].clusters[0].sample if self.groups else self.difference.depth.where
 
     def text(self) -> str:
         """Return the judgement as lines for people."""
@@ -251,10 +251,9 @@ def judge(
     tied = other & (truth is not None and truth.admits(shown.face) & truth.admits(expected.face))
     apart = other & ~tied
     why = _causes(shown, truth, subject) if apart.any() else None
-    masks = _masks(difference, apart, truth, why)
-    counted = np.zeros_like(apart)
-    for label, mask in masks.items():
-        counted |= mask & (label not in limits.allow)
+    wrong = apart if truth is None else apart & ~truth.admits(shown.face)
+    masks = _masks(difference, apart, wrong, why)
+    counted = apart & ~np.any([mask for label, mask in masks.items() if label in limits.allow], axis=0)
     groups = [_group(label, mask, difference, limits, subject) for label, mask in masks.items()]
     groups.sort(key=lambda group: (group.allowed, -group.count))
     broken = (*_broken_counts(difference, counted, limits), *_broken_depths(difference, limits))
@@ -273,11 +272,8 @@ def _causes(shown: VisibilityMap, truth: VisibilityMap | None, subject: Subject 
     return causes(subject.view, shown, truth)
 
 
-def _masks(
-    difference: Difference, apart: Bools, truth: VisibilityMap | None, why: Causes | None
-) -> dict[str, Bools]:
+def _masks(difference: Difference, apart: Bools, wrong: Bools, why: Causes | None) -> dict[str, Bools]:
     """Part the samples that differ by what makes them so: by cause if that is known, else by class."""
-    wrong = apart if truth is None else apart & ~truth.admits(difference.a.face)
     kinds, found = (OTHER_OWNER, difference.classes) if why is None else (Cause, why.cause)
     masks = {REFERENCE_WRONG: apart & ~wrong, **{kind.label: wrong & (found == kind) for kind in kinds}}
     return {label: mask for label, mask in masks.items() if mask.any()}

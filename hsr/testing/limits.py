@@ -31,8 +31,6 @@ NUMBERS: dict[str, tuple[Any, str]] = {
 }
 """Which numbers a limit may be."""
 
-DEFAULT = "default"
-
 
 @dataclass(frozen=True)
 class Limits:
@@ -89,7 +87,7 @@ class Limits:
 
     def told(self, name: str) -> str:
         """Return a limit with who set it: ``max_cluster=4 (marker)``."""
-        return f"{name}={getattr(self, name)} ({self.origin.get(name, DEFAULT)})"
+        return f"{name}={getattr(self, name)} ({self.origin.get(name, 'default')})"
 
 
 def merged(sources: Iterable[tuple[str, Mapping[str, Any]]]) -> Limits:

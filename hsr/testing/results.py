@@ -12,8 +12,8 @@ from typing import Any
 
 from hsr.base.errors import CheckError
 from hsr.pages.checks import write_page
-from hsr.problem.map import load_map
-from hsr.testing.baselines import FOLDER, next_variant, write
+from hsr.problem.map import VisibilityMap, load_map
+from hsr.testing.baselines import FOLDER, next_variant, read_json, write
 from hsr.testing.recording import ITEMS, PAGE, Check
 
 RESULTS = "results.json"
@@ -67,9 +67,8 @@ def gather(folder: Path, root: Path, whole: Sequence[Path]) -> tuple[list[str], 
 def _unused(records: Sequence[dict[str, Any]], whole: Sequence[Path], root: Path) -> list[Path]:
     """Find baselines that no test of a whole module used, and those of modules that are no more."""
     used = {root / record["baselines"] / name for record in records for name in record["used"]}
-    folders = {module.parent / FOLDER for module in whole}
     kept = {module.parent / FOLDER / module.stem for module in whole}
-    for folder in folders:
+    for folder in {module.parent / FOLDER for module in whole}:
         kept |= {orphan for orphan in folder.glob("*/") if not (folder.parent / f"{orphan.name}.py").exists()}
     files = (file for folder in kept for ending in ("npz", "json") for file in folder.glob(f"*.{ending}"))
     return sorted(set(files) - used)
@@ -137,18 +136,17 @@ def accept(decisions: Path, results: Path, root: Path) -> list[str]:
     for key, choice in made["decisions"].items():
         check = _decided(decisions, key, choice, checks, root)
         planned.append((check, choice, None if choice == "reject" else load_map(results / check["shown"])))
-    lines = []
-    for check, choice, map in planned:
-        file = root / check["baseline"]
-        if map is None:
-            lines.append(f"rejected: {check['baseline']} stays")
-            continue
-        if choice == "variant" and file.exists():
-            stem = file.stem.partition("~")[0]
-            file = next_variant(file.parent, stem, file.suffix)
-        write(file, map, check["depths"])
-        lines.append(f"wrote {file.relative_to(root).as_posix()}")
-    return lines
+    return [_done(root, *plan) for plan in planned]
+
+
+def _done(root: Path, check: dict[str, Any], choice: str, map: VisibilityMap | None) -> str:
+    if map is None:
+        return f"rejected: {check['baseline']} stays"
+    file = root / check["baseline"]
+    if choice == "variant" and file.exists():
+        file = next_variant(file.parent, file.stem.partition("~")[0], file.suffix)
+    write(file, map, check["depths"])
+    return f"wrote {file.relative_to(root).as_posix()}"
 
 
 def _decided(decisions: Path, key: str, choice: str, checks: dict[str, Any], root: Path) -> dict[str, Any]:
@@ -166,10 +164,7 @@ def _decided(decisions: Path, key: str, choice: str, checks: dict[str, Any], roo
 
 
 def _json(file: Path) -> dict[str, Any]:
-    try:
-        told = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise CheckError(f"{file}: cannot be read ({error})") from error
+    told = read_json(file, "cannot be read")
     if not isinstance(told, dict) or told.get("hsr") != 1 or "run" not in told:
         raise CheckError(f"{file}: holds no decisions or results of this version")
     return told
