@@ -13,6 +13,7 @@ import numpy as np
 from hsr.algorithms.registry import Method, method_named
 from hsr.algorithms.registry import render as render_by
 from hsr.base.errors import MethodError
+from hsr.lessons.listing import begins
 from hsr.lessons.recording import Recording, Turn, record
 from hsr.lessons.topics import Formula, Screen, Topic, Track
 from hsr.problem.map import BACKGROUND
@@ -53,13 +54,11 @@ def lesson_of(topic: Topic, scene: Scene | None = None) -> dict[str, Any]:
         If the scene is too large to be recorded.
     """
     tracks = _tracks(topic, scene)
-    names: dict[str, list[str]] = {track.scene: [] for track in tracks}
+    names: dict[str, dict[str, int]] = {track.scene: {} for track in tracks}
     recorded = [_recorded(topic, track, scene, names[track.scene]) for track in tracks]
     labels = [track.label for track in tracks]
     return {
-        "title": topic.title,
-        "lead": topic.lead,
-        "prompt": topic.prompt,
+        **topic.model_dump(include={"title", "lead", "prompt"}),
         "tracks": recorded,
         "screens": [_screen(screen, labels, recorded) for screen in topic.screen],
         "question": topic.question.model_dump(),
@@ -77,7 +76,7 @@ def _tracks(topic: Topic, scene: Scene | None) -> list[Track]:
     return list(distinct.values())
 
 
-def _recorded(topic: Topic, track: Track, scene: Scene | None, names: list[str]) -> dict[str, Any]:
+def _recorded(topic: Topic, track: Track, scene: Scene | None, names: dict[str, int]) -> dict[str, Any]:
     """Record one track; ``names``, shared by the tracks of a scene, grows by those of its faces."""
     problem, methods = view_of(track, scene), [method_named(name) for name in track.methods]
     problem = problem if all(method.curved for method in methods) else problem.tessellated()
@@ -154,11 +153,9 @@ def _faces_seen(panels: Sequence[Recording]) -> list[int]:
     return sorted((written | met) - {BACKGROUND})
 
 
-def _face(name: str, names: list[str]) -> dict[str, str]:
+def _face(name: str, names: dict[str, int]) -> dict[str, str]:
     """Describe a face by its name; its letter and colour are those of the name's place among all."""
-    if name not in names:
-        names.append(name)
-    place = names.index(name)
+    place = names.setdefault(name, len(names))
     return {"letter": LETTERS[place % len(LETTERS)], "name": name, "colour": LIGHT[place % len(LIGHT)]}
 
 
@@ -172,12 +169,13 @@ def panel(name: str, recording: Recording, formulas: Sequence[Formula]) -> dict[
     face, depth, ...
     """
     write_depth = depth_writer([depth for step in recording.steps for _, _, depth in step.writes])
-    functions = {index: function for (function, _), index in recording.listing.place.items()}
+    listing = recording.listing
+    functions = {index: function for (function, _), index in listing.place.items()}
     return {
         "method": name,
         "about": method_named(name).about,
-        "listing": recording.listing.text,
-        "functions": [functions.get(index, "") for index in range(len(recording.listing.text))],
+        "listing": listing.text,
+        "functions": [functions.get(index, "") for index in range(len(listing.text))],
         "slots": recording.slots,
         "lines": [step.line for step in recording.steps],
         "changes": [
@@ -189,13 +187,8 @@ def panel(name: str, recording: Recording, formulas: Sequence[Formula]) -> dict[
             for step in recording.steps
         ],
         "turns": [[turn.step, turn.sample] for turn in recording.turns],
-        "counters": {name: line for name, line in recording.counters.items() if line >= 0},
-        "formulas": {
-            index: formula.text
-            for formula in formulas
-            for index, line in enumerate(recording.listing.text)
-            if line.strip().startswith(formula.line)
-        },
+        "counters": recording.counters,
+        "formulas": {k: formula.text for formula in formulas for k in listing.lines(formula.line)},
     }
 
 
@@ -241,9 +234,7 @@ def _screen(screen: Screen, labels: Sequence[str], tracks: Sequence[dict[str, An
     """Return a screen as JSON values: of each track, the step to go to."""
     track = labels.index(screen.track) if screen.track in labels else None
     return {
-        "title": screen.title,
-        "text": screen.text,
-        "formula": screen.formula,
+        **screen.model_dump(include={"title", "text", "formula"}),
         "track": track,
         "steps": [step_of(screen, recorded["panels"][0]) for recorded in tracks],
     }
@@ -253,9 +244,5 @@ def step_of(screen: Screen, panel: dict[str, Any]) -> int:
     """Return the step a screen begins with: that run of its line, else the last one, else the first step."""
     if screen.line is None:
         return 0
-    runs = [
-        step
-        for step, line in enumerate(panel["lines"])
-        if panel["listing"][line].strip().startswith(screen.line)
-    ]
+    runs = [k for k, line in enumerate(panel["lines"]) if begins(panel["listing"][line], screen.line)]
     return runs[min(screen.nth, len(runs)) - 1] if runs else 0

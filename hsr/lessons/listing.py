@@ -40,26 +40,31 @@ def source_of(function: Callable[..., Any]) -> Source:
     text, first = inspect.getsourcelines(python_of(function))
     tree = ast.parse(dedent("".join(text))).body[0]
     assert isinstance(tree, ast.FunctionDef), "a listing is made of functions"
-    shift = first - 1
+    ast.increment_lineno(tree, first - 1)
     statement: dict[int, int] = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.stmt):
-            statement |= dict.fromkeys(range(node.lineno + shift, _end(node) + shift), node.lineno + shift)
-    docstring = tree.body[0] if ast.get_docstring(tree) else None
-    dropped = range(docstring.lineno + shift, _end(docstring) + shift) if docstring else range(0)
+            statement |= dict.fromkeys(_lines(node), node.lineno)
+    dropped = _lines(tree.body[0]) if ast.get_docstring(tree) else range(0)
     lines: dict[int, str] = {}
     for n, line in reversed(list(enumerate(dedent("".join(text)).splitlines(), first))):
-        if n >= tree.lineno + shift and n not in dropped:
+        if n >= tree.lineno and n not in dropped:
             lines[n] = line
             if n not in statement or line.strip().startswith("#"):
                 statement[n] = statement[n + 1]
     return Source(tree.name, dict(reversed(lines.items())), statement)
 
 
-def _end(node: ast.stmt) -> int:
-    """Return the line after a statement, or after the head of one with a body."""
+def _lines(node: ast.stmt) -> range:
+    """Return the lines of a statement, or of the head of one with a body."""
     body: list[ast.stmt] = getattr(node, "body", [])
-    return max(body[0].lineno, node.lineno + 1) if body else (node.end_lineno or node.lineno) + 1
+    end = max(body[0].lineno, node.lineno + 1) if body else (node.end_lineno or node.lineno) + 1
+    return range(node.lineno, end)
+
+
+def begins(line: str, text: str) -> bool:
+    """Tell whether the statement in a line begins with a text."""
+    return line.strip().startswith(text)
 
 
 @dataclass(frozen=True)
@@ -76,6 +81,10 @@ class Listing:
 
     text: tuple[str, ...]
     place: dict[tuple[str, int], int]
+
+    def lines(self, text: str, of: str = "") -> list[int]:
+        """Return the lines, of one function or any, that begin with a text."""
+        return [k for (name, _), k in self.place.items() if of in ("", name) and begins(self.text[k], text)]
 
 
 def listing_of(sources: Sequence[Source], ran: Collection[tuple[str, int]]) -> Listing:

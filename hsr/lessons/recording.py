@@ -9,6 +9,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from itertools import chain
 from types import FrameType
 from typing import Any, NamedTuple
 
@@ -17,7 +18,7 @@ import numpy as np
 from hsr.algorithms.registry import Method
 from hsr.base.errors import MethodError
 from hsr.lessons.interpret import interpreted, python_of
-from hsr.lessons.listing import Listing, Source, listing_of, source_of
+from hsr.lessons.listing import Listing, Source, begins, listing_of, source_of
 from hsr.lessons.probes import Buffers, Look, Names, Probe
 from hsr.problem.map import BACKGROUND, VisibilityMap
 from hsr.problem.view import View
@@ -134,20 +135,17 @@ class _Recorder:
         self.slots = tuple((f.__name__, name) for f, names in probe.shown.items() for name in names)
         self.watched = [compile(name, "<watched>", "eval") for _, name in self.slots]
         self.looks = {python_of(f).__code__: look for f, look in probe.buffers.items()}
-        self.rival = probe.rival and python_of(probe.rival[0]).__code__
+        self.rivals = {python_of(f).__code__: met for f, met in filter(None, [probe.rival])}
         self.until = probe.until and python_of(probe.until).__code__
         self.ended = False
-        self.width = view.width
-        self.size = (view.height, view.width)
         self.looked: FrameType | None = None
         self.read: Callable[[], Buffers] | None = None
-        self.face = np.full(self.size, BACKGROUND, np.int32)
-        self.depth = np.full(self.size, np.inf)
+        self.face = np.full((view.height, view.width), BACKGROUND, np.int32)
+        self.depth = np.full(self.face.shape, np.inf)
         self.values: dict[int, Any] = {}
         self.at: dict[FrameType, int] = {}
-        self.lines: list[tuple[str, int]] = []
-        self.changes: list[list[tuple[int, Any]]] = []
-        self.writes: list[list[tuple[int, int, float]]] = []
+        self.statements: list[tuple[str, int]] = []
+        self.steps: list[Step] = []
         self.begun: list[tuple[int, int, set[int]]] = []
 
     # ------------------------------------------------------------ events
@@ -155,11 +153,10 @@ class _Recorder:
     def enter(self, frame: FrameType, event: str, argument: Any) -> Any:
         """Take the call of a function; return what takes the events within it."""
         code = frame.f_code
-        if self.ended or not (code in self.sources or code in self.looks or code == self.rival):
+        if self.ended or not (code in self.sources or code in self.looks or code in self.rivals):
             return None
-        if code == self.rival and self.begun:
-            assert self.probe.rival is not None
-            self.begun[-1][2].add(self.probe.rival[1](frame.f_locals))
+        if code in self.rivals and self.begun:
+            self.begun[-1][2].add(self.rivals[code](frame.f_locals))
         return self.within(frame, event, argument)
 
     def within(self, frame: FrameType, event: str, _argument: Any) -> Any:
@@ -167,8 +164,8 @@ class _Recorder:
         if self.ended:
             return None
         names, source = frame.f_locals, self.sources.get(frame.f_code)
-        if self.lines:
-            self._settle(names, source)
+        if self.steps:
+            self._settle(names, source, self.steps[-1])
         if frame.f_code in self.looks:
             self._look(frame, self.looks[frame.f_code])
         if event == "line" and source is not None:
@@ -186,7 +183,7 @@ class _Recorder:
         elif frame is not self.looked and look.read:
             self.looked, self.read = frame, look.read(frame.f_locals)
 
-    def _settle(self, names: Names, source: Source | None) -> None:
+    def _settle(self, names: Names, source: Source | None, step: Step) -> None:
         """Note what the last step has changed."""
         for slot, (function, _) in enumerate(self.slots):
             if source is None or source.name != function:
@@ -195,13 +192,13 @@ class _Recorder:
                 value = plain(eval(self.watched[slot], {}, names))
                 if repr(self.values.get(slot)) != repr(value):
                     self.values[slot] = value
-                    self.changes[-1].append((slot, value))
+                    step.changes.append((slot, value))
         if self.read is not None:
             face, depth = self.read()
             changed = np.flatnonzero((face != self.face) | (depth != self.depth))
-            for sample in changed:
-                self.writes[-1].append((int(sample), int(face.flat[sample]), float(depth.flat[sample])))
             if len(changed):
+                found = (changed, face.flat[changed], depth.flat[changed])
+                step.writes.extend(zip(*(array.tolist() for array in found), strict=True))
                 self.face[:], self.depth[:] = face, depth
 
     def _step(self, frame: FrameType, names: Names, source: Source) -> None:
@@ -209,61 +206,42 @@ class _Recorder:
         statement = source.statement[frame.f_lineno]
         if self.at.get(frame) == statement:
             return
-        if len(self.lines) == MOST_STEPS:
+        if len(self.steps) == MOST_STEPS:
             raise MethodError(
                 f"more than {MOST_STEPS:,} steps are too many to record; "
                 "take a scene of fewer faces, such as scenes/cube.toml"
             )
         self.at[frame] = statement
         for beat in self.probe.beats:
-            if source.name == beat.function.__name__ and source.lines[statement].strip().startswith(
-                beat.line
-            ):
-                self._begin(beat.sample(names), beat.face(names))
-        self.lines.append((source.name, statement))
-        self.changes.append([])
-        self.writes.append([])
-
-    def _begin(self, place: tuple[int, int] | None, face: int) -> None:
-        """Begin the turn of a sample."""
-        if place is not None:
-            self.begun.append(
-                (len(self.lines), place[0] * self.width + place[1], {face, int(self.face[place])})
-            )
+            if source.name == beat.function.__name__ and begins(source.lines[statement], beat.line):
+                place = beat.sample(names)
+                if place is not None:
+                    sample, faces = place[0] * self.face.shape[1] + place[1], {beat.face(names)}
+                    self.begun.append((len(self.steps), sample, faces | {int(self.face[place])}))
+        self.statements.append((source.name, statement))
+        self.steps.append(Step(-1, [], []))
 
     # ------------------------------------------------------------ the recording
 
     def recording(self, answer: VisibilityMap) -> Recording:
         """Put everything together."""
-        listing = listing_of(list(self.sources.values()), set(self.lines))
-        steps = [
-            Step(listing.place[line], changes, writes)
-            for line, changes, writes in zip(self.lines, self.changes, self.writes, strict=True)
-        ]
+        listing = listing_of(list(self.sources.values()), set(self.statements))
+        lines = [listing.place[statement] for statement in self.statements]
+        steps = [step._replace(line=line) for step, line in zip(self.steps, lines, strict=True)]
         counters = {
-            name: self._line(listing, function.__name__, text)
+            name: line
             for name, (function, text) in self.probe.counters.items()
+            for line in listing.lines(text, function.__name__)[:1]
         }
         return Recording(answer, listing, self.slots, steps, list(self._turns()), counters)
 
-    def _line(self, listing: Listing, function: str, text: str) -> int:
-        """Return the line of the listing at which a statement of a function begins, -1 if it has not run."""
-        found = [
-            index
-            for (name, _), index in listing.place.items()
-            if name == function and listing.text[index].strip().startswith(text)
-        ]
-        return found[0] if found else -1
-
     def _turns(self) -> Iterator[Turn]:
         """Yield the turns, with the owners that the writes during them leave."""
-        held = np.full(self.size, BACKGROUND, np.int32).ravel()
-        ends = [*(step for step, _, _ in self.begun[1:]), len(self.lines)]
-        done = 0
+        held = np.full(self.face.size, BACKGROUND, np.int32)
+        ends, done = [*(step for step, _, _ in self.begun[1:]), len(self.steps)], 0
         for (step, sample, faces), end in zip(self.begun, ends, strict=True):
-            for writes in self.writes[done:end]:
-                for written, face, _ in writes:
-                    held[written] = face
+            for written, face, _ in chain.from_iterable(each.writes for each in self.steps[done:end]):
+                held[written] = face
             done = end
             yield Turn(step, sample, tuple(sorted(faces - {BACKGROUND})), int(held[sample]))
 

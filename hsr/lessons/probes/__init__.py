@@ -5,13 +5,13 @@ A file has a function ``probe(view, options)`` that returns the :class:`Probe` o
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from hsr.base.arrays import Array, Ints
 from hsr.base.errors import MethodError
 from hsr.lessons.interpret import python_of
-from hsr.lessons.listing import source_of
+from hsr.lessons.listing import begins, source_of
 from hsr.problem.map import BACKGROUND
 
 Function = Callable[..., Any]
@@ -102,19 +102,21 @@ class Probe(NamedTuple):
             for name in compile(text, "<watched>", "eval").co_names:
                 if name not in code.co_varnames + code.co_cellvars + code.co_freevars:
                     raise MethodError(f"{function.__name__} has no variable {name!r}, which a lesson watches")
-        for function, line in self._statements():
+        for function, line in [(beat.function, beat.line) for beat in self.beats] + [*self.counters.values()]:
             source = source_of(function)
-            if not any(source.lines.get(n, "").strip().startswith(line) for n in source.statement.values()):
+            if not any(begins(source.lines.get(n, ""), line) for n in source.statement.values()):
                 raise MethodError(f"no statement of {function.__name__} begins with {line!r}")
-
-    def _statements(self) -> Iterator[tuple[Function, str]]:
-        yield from ((beat.function, beat.line) for beat in self.beats)
-        yield from self.counters.values()
 
 
 def nobody(_: Names) -> int:
     """Say that no face asks for the sample yet."""
     return BACKGROUND
+
+
+def answered(names: Names) -> Callable[[], Buffers]:
+    """Return what reads the buffers from the variables ``face`` and ``depth``."""
+    face, depth = names["face"], names["depth"]
+    return lambda: (face, depth)
 
 
 def place(row: str, column: str) -> Callable[[Names], tuple[int, int]]:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from hsr.algorithms.raycast import Options
 from hsr.kernels import boxes, hits, rays
 from hsr.kernels import ray_hierarchy as extents
-from hsr.lessons.probes import Beat, Buffers, Look, Names, Probe, nobody, place
+from hsr.lessons.probes import Beat, Look, Names, Probe, answered, nobody, place
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import View
 
@@ -22,10 +20,6 @@ def probe(_view: View, options: Options) -> Probe:
     def clear(names: Names) -> None:
         names["face"].fill(BACKGROUND)
         names["depth"].fill(np.inf)
-
-    def answered(names: Names) -> Callable[[], Buffers]:
-        face, depth = names["face"], names["depth"]
-        return lambda: (face, depth)
 
     def met(names: Names) -> int:
         nearness, face = names["hit"]

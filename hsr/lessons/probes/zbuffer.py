@@ -9,7 +9,7 @@ import numpy as np
 
 from hsr.algorithms import zbuffer
 from hsr.kernels.zbuffer import fill, settle, tiles
-from hsr.lessons.probes import Beat, Buffers, Look, Names, Probe, nobody, place
+from hsr.lessons.probes import Beat, Buffers, Look, Names, Probe, answered, nobody, place
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import View
 
@@ -30,9 +30,6 @@ def probe(view: View, _options: Any) -> Probe:
             return face, depth
 
         return read
-
-    def answered(names: Names) -> Callable[[], Buffers]:
-        return lambda: (names["face"], names["depth"])
 
     def sample(names: Names) -> tuple[int, int] | None:
         row, column = int(names["line"]), int(names["start"] + names["lane"])
