@@ -8,6 +8,7 @@ face before it leaves through a back face.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -164,10 +165,10 @@ def _overlapping_pairs(corners: Floats) -> Iterator[tuple[Array, Array]]:
         yield order[first[overlap]], order[second[overlap]]
 
 
-class _Space:
+class _Space(NamedTuple):
     """Points with exact orientation tests.
 
-    Parameters
+    Attributes
     ----------
     points : (V, 3) float64
         Of absolute value at most 1.
@@ -181,9 +182,8 @@ class _Space:
     # More than the products of numbers up to 2 can lose by underflow.
     UNDERFLOW = 2.0**-1000
 
-    def __init__(self, points: Floats, exact: Array) -> None:
-        self.points = points
-        self.exact = exact
+    points: Floats
+    exact: Array
 
     def side(self, a: Array, b: Array, c: Array, d: Array) -> Array:
         """Sign (n,) of det(a - d, b - d, c - d), of points given by index."""

@@ -4,12 +4,19 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from hsr.lab.stability.building import central, parallel, placed, scene_of, wall
 from hsr.lab.stability.family import HILL, Variant, hard_case, octaves, source, truth, variants
 from hsr.lab.stability.rounding import first_drafts
 from hsr.lab.stability.theory import U32, U64
 from hsr.mistakes.renderers import general_cylinders, naive_spheres
 from hsr.scene.model import Scene
+
+HAINES = (
+    "E. Haines, J. Guenther, T. Akenine-Moeller, Precision Improvements for Ray/Sphere Intersection "
+    "(Ray Tracing Gems, 2019)"
+)
 
 SHARE = 0.8
 """Radius of the distant sphere in the picture, over half the picture."""
@@ -22,10 +29,7 @@ def outline(side: int) -> float:
 
 @hard_case("rays", "distance, in radii", octaves(2, 36, 2))
 @truth("The sphere inside its outline, the background outside.")
-@source(
-    "E. Haines, J. Guenther, T. Akenine-Moeller, Precision Improvements for Ray/Sphere Intersection "
-    "(Ray Tracing Gems, 2019)"
-)
+@source(HAINES)
 @variants(
     *first_drafts(
         "naive",
@@ -68,10 +72,7 @@ def lowest(unit: float, side: int) -> float:
 
 @hard_case("rays", "height above the ground, in metres", tuple(0.7 * h for h in octaves(16, -28, 2)))
 @truth("The planet below the horizon, the sky above.")
-@source(
-    "E. Haines, J. Guenther, T. Akenine-Moeller, Precision Improvements for Ray/Sphere Intersection "
-    "(Ray Tracing Gems, 2019)"
-)
+@source(HAINES)
 @variants(
     Variant("raycast-woop-float32", lambda side: lowest(U32, side), "2^-24 r W 10 / 8"),
     # At most heights the eye's place is off by less than the whole of u r.
@@ -125,12 +126,10 @@ def tangent_rays(depth: float, side: int) -> Scene:
     sign of the discriminant is all that tells, and it is as small as that little. Computed as b^2 - a c it
     carries the rounding of the squared distance; from the nearest point of the ray, that of the radius.
     """
-    r, spheres = touched(side), []
-    for row in range(4):
-        for column in range(4):
-            inside = depth if (row + column) % 2 else -depth
-            x, y = ((k + 0.5) * side / 4 + 0.5 - 0.5 * side for k in (column, row))
-            spheres.append(placed("sphere", r, [x + inside - r, y, -RADII * r]))
+    r, (row, column) = touched(side), np.mgrid[:4, :4].reshape(2, -1)
+    x, y = (np.array([column, row]) + 0.5) * side / 4 + 0.5 - 0.5 * side
+    middle = np.stack([x + np.where((row + column) % 2, depth, -depth) - r, y, 0.0 * y - RADII * r], axis=1)
+    spheres = [placed("sphere", r, at) for at in middle.tolist()]
     return scene_of(parallel(side, 0.0, 2.0 * RADII * r), *spheres, segments=8)
 
 

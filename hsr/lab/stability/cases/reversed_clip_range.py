@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from hsr.lab.stability import theory
-from hsr.lab.stability.building import central, quads, scene_of
+from hsr.lab.stability.building import central, flat, quads, scene_of
 from hsr.lab.stability.family import Variant, buffer, hard_case, octaves, source, truth, variants
 from hsr.mistakes.renderers import through_ndc
 from hsr.scene.model import Scene
@@ -48,6 +48,6 @@ def reversed_clip_range(part: float, _: int) -> Scene:
     corners = []
     for k, x in enumerate(np.linspace(-1.0, 1.0, 8, endpoint=False)):
         depth = DEPTH * (1.0 - 0.011 * k)
-        strip = np.array([[x, -1.0, -1.0], [x + 0.25, -1.0, -1.0], [x + 0.25, 1.0, -1.0], [x, 1.0, -1.0]])
+        strip = flat([[x, -1.0], [x + 0.25, -1.0], [x + 0.25, 1.0], [x, 1.0]])
         corners += [depth * (1.0 + part) * strip, depth * strip]
     return scene_of(central(NEAR, FAR), quads(corners))
