@@ -18,7 +18,7 @@ import numpy as np
 
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.errors import MethodError, UnavailableError
-from hsr.embree.packets import PACKET_SIDE, SHARES, Sight, aligned, packet_of, trace
+from hsr.embree.packets import PACKET_SIDE, SHARES, Sight, packets_of, trace
 
 VERSION = "4.4"
 """The version whose records :mod:`hsr.embree.packets` knows."""
@@ -57,18 +57,6 @@ PROTOTYPES: dict[str, tuple[Any, ...]] = {
     "rtcIntersect16": (None, c_void_p, c_void_p, c_void_p, c_void_p),
 }
 """Result and arguments of the functions that are called."""
-
-
-class IntersectArguments(ctypes.Structure):
-    """``RTCIntersectArguments``: what to assume of rays; no filters of hits."""
-
-    _fields_ = (
-        ("flags", c_int),
-        ("feature_mask", c_int),
-        ("context", c_void_p),
-        ("filter", c_void_p),
-        ("intersect", c_void_p),
-    )
 
 
 @cache
@@ -166,15 +154,16 @@ class Scene:
         depth : (H, W) float64
         """
         side, flags = (PACKET_SIDE, RAY_QUERY_FLAG_COHERENT) if packets else (1, 0)
-        query = IntersectArguments(flags, FEATURE_FLAG_ALL)
-        mask = aligned(side * side, np.dtype(np.int32))
+        # ``RTCIntersectArguments``: flags, features, and pointers to a context and filters: none.
+        query = np.array([flags, FEATURE_FLAG_ALL, *[0] * 6], np.int32)
+        room = packets_of(side * side)
+        mask = room[SHARES].view(np.int32)
         mask[:] = TRACED
         intersect = library().rtcIntersect16 if packets else library().rtcIntersect1
         whereby = (mask.ctypes.data, self.address) if packets else (self.address,)
-        room = aligned(SHARES, packet_of(side * side))
-        face, depth = np.empty(size, np.int32), np.empty(size)
-        trace(intersect, whereby, ctypes.addressof(query), sight, room, side, face_of, face, depth)
-        return face, depth
+        answer = np.empty(size, np.int32), np.empty(size)
+        trace(intersect, whereby, query.ctypes.data, sight, room, face_of, answer)
+        return answer
 
 
 def _copy(geometry: int, buffer: int, kind: int, rows: Array) -> None:

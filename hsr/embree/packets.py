@@ -9,7 +9,7 @@ tracing", ACM Transactions on Graphics, 2014).
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,36 +28,21 @@ SHARES = 32
 NOTHING = -1
 """Embree's id of no triangle and no geometry: all bits set."""
 
+ROWS = 32
+"""Rows of a packet, each a number of every ray: the 21 of Embree's ``RTCRayHit``, and some for alignment."""
 
-def packet_of(rays: int) -> np.dtype[Any]:
-    """Return Embree's ``RTCRayHit`` for a number of rays, as a record of a multiple of ``ALIGNMENT`` bytes.
+ORIGIN, NEAREST, DIRECTION, FARTHEST, MASK, TRIANGLE, GEOMETRY = 0, 3, 4, 8, 9, 17, 18
+"""First rows of what is set and read, float32, from the mask on int32; Embree writes more of a hit."""
 
-    Of the hit only the triangle is read; Embree writes the rest, too.
-    """
-    fields = [
-        ("origin", np.float32, (3, rays)),
-        ("nearest", np.float32, rays),
-        ("direction", np.float32, (3, rays)),
-        ("time", np.float32, rays),
-        ("farthest", np.float32, rays),
-        ("mask", np.int32, rays),
-        ("id", np.int32, rays),
-        ("flags", np.int32, rays),
-        ("normal", np.float32, (3, rays)),
-        ("place", np.float32, (2, rays)),
-        ("triangle", np.int32, rays),
-        ("geometry", np.int32, rays),
-        ("instance", np.int32, (2, rays)),
-    ]
-    spare = ALIGNMENT - np.dtype(fields).itemsize % ALIGNMENT
-    return np.dtype([*fields, ("spare", np.uint8, spare)])
+Answer = tuple[Ints, Floats]
+"""Face and depth (H, W)."""
 
 
-def aligned(count: int, kind: np.dtype[Any]) -> Array:
-    """Return an array (count,) of zeros that starts at a multiple of ``ALIGNMENT`` bytes."""
-    room = np.zeros(count * kind.itemsize + ALIGNMENT, np.uint8)
-    start = -room.ctypes.data % ALIGNMENT
-    return room[start : start + count * kind.itemsize].view(kind)
+def packets_of(rays: int) -> Array:
+    """Return room (SHARES + 1, ROWS, rays) float32 for a packet a share and a mask, each of them aligned."""
+    room = np.zeros((SHARES + 1) * ROWS * rays + ALIGNMENT // 4, np.float32)
+    start = -room.ctypes.data % ALIGNMENT // 4
+    return room[start : start + (SHARES + 1) * ROWS * rays].reshape(SHARES + 1, ROWS, rays)
 
 
 class Sight(NamedTuple):
@@ -88,10 +73,8 @@ def trace(
     query: int,
     sight: Sight,
     packets: Array,
-    side: int,
     face_of: Ints,
-    face: Ints,
-    depth: Floats,
+    answer: Answer,
 ) -> None:
     """Have Embree find the nearest triangle of every sample's ray.
 
@@ -106,54 +89,43 @@ def trace(
     query : int
         What it wants to know after that: the address of its ``RTCIntersectArguments``.
     sight : Sight
-    packets : (SHARES,) record
-        Room for one packet a share, see :func:`packet_of`.
-    side : int
-        Rows and columns of a packet, 1 or ``PACKET_SIDE``.
+    packets : (SHARES + 1, ROWS, rays) float32
+        Room for one packet a share, see :func:`packets_of`.
     face_of : (n + 1,) int32
         Face of each triangle; the last is the background.
-    face : (H, W) int32
-        Receives the face id of every sample.
-    depth : (H, W) float64
-        Receives its depth, ``+inf`` for the background.
+    answer : face (H, W) int32 and depth (H, W) float64
+        Receive the face id of every sample and its depth, ``+inf`` for the background.
     """
+    (height, width), side = answer[0].shape, 1 if packets.shape[2] == 1 else PACKET_SIDE
     for share in prange(SHARES):
-        packet, address = packets[share], packets.ctypes.data + share * packets.itemsize
-        for top in range(share * side, face.shape[0], SHARES * side):
-            for left in range(0, face.shape[1], side):
+        packet, address = packets[share], packets[share].ctypes.data
+        for top in range(share * side, height, SHARES * side):
+            for left in range(0, width, side):
                 _fill(packet, sight, side, top, left)
                 intersect(*(whereby + (address, query)))  # noqa: RUF005 - Numba knows no other way
-                _read(packet, sight.near, side, top, left, face_of, face, depth)
+                _read(packet, sight.near, side, top, left, face_of, answer)
 
 
 @jit
-def _fill(packet: Any, sight: Sight, side: int, top: int, left: int) -> None:
+def _fill(packet: Array, sight: Sight, side: int, top: int, left: int) -> None:
     """Make the rays of the samples from (top, left), ``side`` rows and columns of them."""
-    for axis in range(3):
-        _add(packet["origin"][axis], sight, axis, side, top, left)
-        _add(packet["direction"][axis], sight, axis + 3, side, top, left)
-    for k in range(side * side):
-        packet["nearest"][k], packet["farthest"][k] = 0.0, sight.reach
-        packet["mask"][k], packet["triangle"][k], packet["geometry"][k] = -1, NOTHING, NOTHING
+    for axis in range(6):
+        target = packet[ORIGIN + axis if axis < 3 else DIRECTION - 3 + axis]
+        for row in range(side):
+            for column in range(side):
+                whole = sight.of_row[axis, top + row] + sight.of_column[axis, left + column]
+                target[row * side + column] = whole
+    packet[NEAREST], packet[FARTHEST], ids = 0.0, sight.reach, packet.view(np.int32)
+    ids[MASK], ids[TRIANGLE], ids[GEOMETRY] = -1, NOTHING, NOTHING
 
 
 @jit
-def _add(target: Array, sight: Sight, coordinate: int, side: int, top: int, left: int) -> None:
-    """Add up one coordinate of the rays of the samples from (top, left)."""
-    for row in range(side):
-        for column in range(side):
-            whole = sight.of_row[coordinate, top + row] + sight.of_column[coordinate, left + column]
-            target[row * side + column] = whole
-
-
-@jit
-def _read(
-    packet: Any, near: float, side: int, top: int, left: int, face_of: Ints, face: Ints, depth: Floats
-) -> None:
+def _read(packet: Array, near: float, side: int, top: int, left: int, face_of: Ints, answer: Answer) -> None:
     """Note faces and depths of the samples from (top, left) that lie within the image."""
+    (face, depth), triangles = answer, packet.view(np.int32)[TRIANGLE]
     for row in range(top, min(top + side, face.shape[0])):
         for column in range(left, min(left + side, face.shape[1])):
             k = (row - top) * side + column - left
-            triangle = packet["triangle"][k]
-            face[row, column] = face_of[triangle]
-            depth[row, column] = np.inf if triangle == NOTHING else near + np.float64(packet["farthest"][k])
+            face[row, column] = face_of[triangles[k]]
+            missed = triangles[k] == NOTHING
+            depth[row, column] = np.inf if missed else near + np.float64(packet[FARTHEST, k])

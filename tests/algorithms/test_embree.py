@@ -100,11 +100,11 @@ def test_the_rays_of_a_packet_are_those_handed_to_embreex(make_scene: Any) -> No
     for camera in CAMERAS:
         view = hsr.view(scene_with(make_scene, camera, "none"), (9, 7))
         _, origins, directions = next(embree.rays(view))
-        packet = packets.aligned(1, packets.packet_of(16))[0]
+        packet = packets.packets_of(16)[0]
         packets._fill(packet, embree._sight(view), 4, 2, 3)
-        for name, expected in (("origin", origins), ("direction", directions)):
+        for row, expected in ((packets.ORIGIN, origins), (packets.DIRECTION, directions)):
             square = expected.reshape(7, 9, 3)[2:6, 3:7].reshape(16, 3)
-            np.testing.assert_array_equal(packet[name], square.T, err_msg=name)
+            np.testing.assert_array_equal(packet[row : row + 3], square.T)
 
 
 @pytest.mark.usefixtures("_installed")
