@@ -71,14 +71,16 @@ class Drawing(AbstractContextManager["Drawing"]):
     """
 
     def __init__(self, context: Context, view: View, buffer: DepthBuffer = D24) -> None:
-        _check_size(view, context.max_side)
+        size, most = (view.width, view.height), context.max_side
+        if max(size) > most:
+            told = "opengl: this driver draws at most {} samples a side, not {}x{}; choose a smaller size"
+            raise MethodError(told.format(most, *size))
         geometry = view.tessellated().geometry
         self._triangles = geometry.once(("opengl", context), lambda: Triangles(context, geometry.polygons))
         matrix = as_float32(buffer.clip_from_world(view), "opengl")
         self.view, self._context, self._buffer = view, context, buffer
         self.vertices, self.triangles = self._triangles.vertices, len(self._triangles.face_of) - 1
         self._matrix = tuple(matrix.T.ravel())  # OpenGL's matrices are column after column
-        size = view.width, view.height
         with context.gl as gl:
             textures = gl.texture(size, components=1, dtype="i4"), depth_texture(context, size, buffer)
             try:
@@ -161,14 +163,6 @@ def depth_of_window(view: View, window: Floats, reversed: bool = False) -> Float
     if view.perspective:
         return 1.0 / ((1.0 - window) / at_0 + window / at_1)
     return (1.0 - window) * at_0 + window * at_1
-
-
-def _check_size(view: View, max_side: int) -> None:
-    if max(view.width, view.height) > max_side:
-        raise MethodError(
-            f"opengl: this driver draws at most {max_side} samples a side, "
-            f"not {view.width}x{view.height}; choose a smaller size"
-        )
 
 
 def _runs(cull: Array) -> list[tuple[int, int, int]]:

@@ -16,20 +16,10 @@ from hsr.problem.map import BACKGROUND
 from hsr.problem.view import CULL, Placement, View
 from hsr.scene.shapes import Kind, Polygons, Shape
 
-PICTURE = """
-. . . . . . . .
-0 . . . . . . 1
-0 0 . . . . 1 1
-0 0 0 . . 1 1 1
-0 0 0 0 1 1 1 1
-0 0 0 0 1 1 1 1
-0 0 0 0 1 1 1 1
-0 0 0 0 1 1 1 1
-"""
+COVERED = np.tri(8, 4, -1, dtype=np.bool_)
+"""Where triangle 0 is in the left half: from a sample more in each row on to all. Triangle 1 mirrors it."""
 
-FACE = np.array(
-    [[BACKGROUND if k == "." else int(k) for k in row.split()] for row in PICTURE.split("\n")[1:-1]]
-)
+FACE = np.hstack([np.where(COVERED, 0, BACKGROUND), np.where(COVERED[:, ::-1], 1, BACKGROUND)])
 
 X = (2 * np.arange(8) + 1) / 8 - 1
 """Where the samples of a row lie, from -1 to 1."""

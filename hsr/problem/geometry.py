@@ -102,18 +102,15 @@ class Geometry(tuple[Placement, ...]):
     @property
     def mirror_image(self) -> Geometry:
         """The same objects, for cameras of the other handedness: fronts run the other way round."""
-        return self.once(
-            "mirror image", lambda: Geometry(replace(one, mirrored=not one.mirrored) for one in self)
-        )
+        turned = (replace(one, mirrored=not one.mirrored) for one in self)
+        return self.once("mirror image", lambda: Geometry(turned))
 
     def tessellated(self, segments: int) -> Geometry:
         """Return the same objects with polygons in place of curved shapes, ``segments`` to a full circle."""
         if not self.curved:
             return self
-        return self.once(
-            ("tessellated", segments),
-            lambda: Geometry(replace(one, shape=tessellated(one.shape, segments)) for one in self),
-        )
+        cut = (replace(one, shape=tessellated(one.shape, segments)) for one in self)
+        return self.once(("tessellated", segments), lambda: Geometry(cut))
 
     @cached_property
     def curved(self) -> bool:
@@ -213,9 +210,7 @@ def _parts(geometry: Geometry, segments: int) -> Iterator[bytes]:
     """Yield what the hash of a scene is of."""
     if geometry.curved:
         yield f"segments {segments}".encode()
-    shapes = {
-        shape: digest_of(shape.content).encode() for shape in dict.fromkeys(one.shape for one in geometry)
-    }
+    shapes = {shape: digest_of(shape.content).encode() for shape in {one.shape for one in geometry}}
     for one in geometry:
         yield shapes[one.shape]
         yield one.world_from_object.tobytes()
@@ -252,17 +247,15 @@ def reversed_loops(polygons: Polygons) -> Ints:
 def _join(parts: list[WorldPolygons]) -> WorldPolygons:
     if len(parts) == 1:
         return parts[0]
-    vertex_offset = np.cumsum([0, *(len(part.vertices) for part in parts)])
-    corner_offset = np.cumsum([0, *(len(part.corner) for part in parts)])
-    corner = [part.corner + offset for part, offset in zip(parts, vertex_offset[:-1], strict=True)]
-    start = [part.start[:-1] + offset for part, offset in zip(parts, corner_offset[:-1], strict=True)]
-    return WorldPolygons(
-        np.concatenate([part.vertices for part in parts]),
-        np.concatenate(corner).astype(np.int32),
-        np.concatenate([*start, corner_offset[-1:]]).astype(np.int32),
-        np.concatenate([part.face for part in parts]),
-        np.concatenate([part.cull for part in parts]),
-    )
+
+    def joined(name: str) -> Array:
+        return np.concatenate([getattr(part, name) for part in parts])
+
+    first = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    corner = np.concatenate([part.corner + vertex for part, vertex in zip(parts, first, strict=False)])
+    start = np.cumsum(np.concatenate([[0], *(np.diff(part.start) for part in parts)]))
+    ends = corner.astype(np.int32), start.astype(np.int32)
+    return WorldPolygons(joined("vertices"), *ends, joined("face"), joined("cull"))
 
 
 def as_float32(numbers: Floats, method: str, remedy: str = "scale it down") -> Array:

@@ -263,13 +263,8 @@ def depth_format(
     perspective : bool
         Of the view: whether window depth runs with the inverse of the distance, or with it.
     """
-    return {
-        "stored": stored,
-        "step": step,
-        "near": near,
-        "far": far if far < float("inf") else None,
-        "perspective": perspective,
-    }
+    known = far if far < float("inf") else None
+    return {"stored": stored, "step": step, "near": near, "far": known, "perspective": perspective}
 
 
 class Clock:

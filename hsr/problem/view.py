@@ -107,15 +107,13 @@ class View:
     def rays(self) -> Rays:
         """The rays of the samples, in world space."""
         x_row, y_row, _, w_row = self.clip_from_world
+        rows = np.stack([x_row, y_row, w_row if self.perspective else self.depth_row])
+        inverse = np.linalg.inv(rows[:, :3])
+        start = -inverse @ rows[:, 3].copy()
         if self.perspective:
-            inverse = np.linalg.inv(np.stack([x_row[:3], y_row[:3], w_row[:3]]))
-            eye = -inverse @ [x_row[3], y_row[3], w_row[3]]
             scale = np.linalg.norm(w_row[:3])
-            direction = scale * inverse[:, [2, 0, 1]]
-            return Rays(np.outer(eye, [1.0, 0.0, 0.0]), direction)
-        inverse = np.linalg.inv(np.stack([x_row[:3], y_row[:3], self.depth_row[:3]]))
-        constants = np.array([x_row[3], y_row[3], self.depth_row[3]])
-        origin = np.stack([-inverse @ constants, w_row[3] * inverse[:, 0], w_row[3] * inverse[:, 1]], 1)
+            return Rays(np.outer(start, [1.0, 0.0, 0.0]), scale * inverse[:, [2, 0, 1]])
+        origin = np.stack([start, w_row[3] * inverse[:, 0], w_row[3] * inverse[:, 1]], 1)
         return Rays(origin, np.outer(inverse[:, 2], [1.0, 0.0, 0.0]))
 
     # ------------------------------------------------------------ faces
