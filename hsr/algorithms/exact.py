@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from hsr.exact.oracle import truth
 from hsr.problem.map import Clock, VisibilityMap
@@ -37,7 +37,4 @@ def render(view: View, options: Options) -> VisibilityMap:  # noqa: ARG001
     clock = Clock()
     with clock("render"):
         answer = truth(view)
-    work = {"uncertain": answer.uncertain, "ties": len(answer.admissible.sample)}
-    return VisibilityMap(
-        answer.face, answer.depth, "exact", work, clock.seconds, admissible=answer.admissible
-    )
+    return replace(answer, seconds=clock.seconds)

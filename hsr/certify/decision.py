@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import accumulate, groupby, pairwise, repeat
 from math import inf
 from operator import attrgetter
-from typing import cast
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -32,8 +31,7 @@ OWNER = np.dtype([("face", np.int32), ("depth", np.float64)])
 """Who owns a sample, and how deep."""
 
 
-@dataclass(frozen=True, eq=False)
-class Resolved:
+class Resolved(NamedTuple):
     """Exact answers at some samples.
 
     Attributes
@@ -230,17 +228,11 @@ def _owner(frame: Frame, asked: list[Piece], sure: list[bool], i: int, j: int) -
             curved.append(piece)
         elif (owner is None or piece.hides(owner, i, j)) and (certain or piece.covers(i, j)):
             owner = piece
-    hit = _first_hit(frame, curved, owner, i, j) if curved else None
+    hit = min((hit for piece in curved for hit in piece.hits(i, j)), default=None)
+    if hit and owner and not hit < Hit(owner.face, root_on_plane(owner.plane, frame.perspective, i, j)):
+        hit = None
     if hit is not None:
         return hit.face, hit.depth(frame.unit)
     if owner is not None:
         return owner.face, next(owner.depths(i, j, 1))
     return BACKGROUND, inf
-
-
-def _first_hit(frame: Frame, curved: list[CurvedPiece], facet: Facet | None, i: int, j: int) -> Hit | None:
-    """Return the first hit of curved pieces, unless a planar piece hides them all."""
-    hit = min((hit for piece in curved for hit in piece.hits(i, j)), default=None)
-    if hit is None or facet is None:
-        return hit
-    return hit if hit < Hit(facet.face, root_on_plane(facet.plane, frame.perspective, i, j)) else None

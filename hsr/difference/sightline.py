@@ -24,7 +24,6 @@ from hsr.exact.decide import Form, Piece
 from hsr.exact.depths import depth_quotient
 from hsr.exact.infinitesimals import Polynomial, at, beside, coefficients
 from hsr.exact.numbers import Frame, frame_of, points
-from hsr.exact.numbers import samples as coordinates
 from hsr.exact.oracle import answers
 from hsr.exact.planes import cross, on_planes, triangles_of
 from hsr.exact.quadrics import form, rounds_of
@@ -174,12 +173,6 @@ def _clippers(frame: Frame) -> Iterator[tuple[str, Array]]:
     return zip(("near", "far"), frame.limits, strict=False)
 
 
-def _at(view: View, sample: Array) -> tuple[Array, Array]:
-    """Return the coordinates of samples (n,) as Python integers, which do not overflow."""
-    i, j = coordinates(view)
-    return i[sample % view.width].astype(object), j[sample // view.width].astype(object)
-
-
 def _affine(forms: Array, i: Array, j: Array) -> Array:
     """Evaluate affine functions (n, k, 3) at samples (n,)."""
     return np.asarray(forms[..., 0] * i[:, None] + forms[..., 1] * j[:, None] + forms[..., 2])
@@ -237,7 +230,7 @@ def _flat_layers(nearby: Nearby, frame: Frame) -> Iterator[tuple[int, Layer]]:
     """Yield the samples and the planar faces that cover them, or miss them by less than a pixel."""
     view, edges, start, side = nearby.view, *_outlines(nearby.view, frame)
     which, edge = ranges(start[nearby.face], start[nearby.face + 1])
-    value = _affine(edges[edge][:, None], *_at(view, nearby.sample[which]))[:, 0]
+    value = _affine(edges[edge][:, None], *frame.exactly_at(nearby.sample[which]))[:, 0]
     square = (edges[:, :2] ** 2).sum(axis=1)[edge]
     pixel = np.frompyfunc(pixels_to_zero, 2, 1)(value, square).tolist()
     ends = np.searchsorted(which, np.arange(len(nearby.face) + 1)).tolist()
@@ -258,11 +251,11 @@ def _met(nearby: Nearby, frame: Frame) -> dict[int, tuple[Fraction, str]]:
     triangles = triangles_of(*_opened(nearby.view, frame))
     ends = (np.searchsorted(triangles.face, nearby.face, side=side) for side in ("left", "right"))
     pair, triangle = ranges(*ends)
-    half, at = triangles.half[triangle], _at(nearby.view, nearby.sample[pair])
+    half, at = triangles.half[triangle], frame.exactly_at(nearby.sample[pair])
     (inside,) = np.nonzero((_beside(half, _affine(half, *at)) >= 0).all(axis=1))
     pair, once = np.unique(pair[inside], return_index=True)
     zeta, det = triangles.zeta[triangle[inside[once]]], triangles.det[triangle[inside[once]]]
-    at = _at(nearby.view, nearby.sample[pair])
+    at = frame.exactly_at(nearby.sample[pair])
     clipped = np.full(len(pair), "", dtype=object)
     for name, limit in reversed([*_clippers(frame)]):
         form = on_planes(limit, zeta, det)[:, None]
@@ -286,10 +279,9 @@ def _beside(forms: Array, value: Array) -> Array:
 
 def _curved_layers(nearby: Nearby, frame: Frame) -> Iterator[tuple[int, Layer]]:
     """Yield the samples and the sides of curved faces that cover them, or miss them by less than a pixel."""
-    i, j = _at(nearby.view, nearby.samples)
+    i, j = frame.exactly_at(nearby.samples)
     for facing, other in ((FRONT, "back"), (BACK, "front")):
-        for this in rounds_of(*_opened(nearby.view, frame, cull=other), 0):
-            piece = this.piece
+        for piece in rounds_of(*_opened(nearby.view, frame, cull=other), 0):
             placement = nearby.view.placements[int(nearby.view.object_of(np.array(piece.face)))]
             face, culled = int(nearby.origin[piece.face]), facing == CULLED[placement.cull]
             for k in np.flatnonzero(_reached(piece.extent[0], i, j)):

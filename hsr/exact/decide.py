@@ -9,13 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cmp_to_key
-from itertools import combinations, pairwise
+from fractions import Fraction
+from itertools import chain, combinations, pairwise
 from math import gcd
+from operator import attrgetter
 from typing import Any
 
 from flint import fmpz_poly
 
+from hsr.base.arrays import Ints
 from hsr.exact.infinitesimals import IMAGE, I, J, Polynomial, Spot, Surd, at, beside, sign
 from hsr.problem.map import BACKGROUND
 
@@ -42,6 +44,8 @@ class Piece:
         Not negative on the piece.
     number : int
         By which :func:`decide` names it.
+    box : sequence of 4 int
+        First row, first column, last row, last column of the samples that a curved piece may cover.
     """
 
     face: int
@@ -50,6 +54,7 @@ class Piece:
     extent: tuple[Polynomial, ...] = ()
     inside: tuple[Form, ...] = ()
     number: int = BACKGROUND
+    box: Sequence[int] | Ints = ()
 
     def depth_at(self, spot: Spot) -> Surd | None:
         """Return zeta of the piece just beside a sample, None where it is not."""
@@ -113,14 +118,11 @@ def decide(pieces: Sequence[Piece], i: int, j: int, nearer: int) -> Answer:
         The faces that own the sample in the limits from all directions, and those that coincide
         with them; -1 is the background.
     """
-    found = nearest(pieces, beside(i, j), nearer)
-    limits = [nearest(pieces, beside(i, j, toward), nearer) for toward in directions(pieces, i, j)]
-    admissible = {piece.face for limit in limits for piece in limit}
-    admissible |= {piece.face for piece in found}
-    if not all([found, *limits]):
-        admissible.add(BACKGROUND)
-    owner = min(found, key=lambda piece: piece.face).number if found else BACKGROUND
-    return owner, frozenset(admissible)
+    spots = [beside(i, j), *(beside(i, j, toward) for toward in directions(pieces, i, j))]
+    found, *limits = (nearest(pieces, spot, nearer) for spot in spots)
+    admissible = {piece.face for limit in (found, *limits) for piece in limit}
+    owner = min(found, key=attrgetter("face")).number if found else BACKGROUND
+    return owner, frozenset(admissible if all([found, *limits]) else admissible | {BACKGROUND})
 
 
 # ---------------------------------------------------------------- directions
@@ -136,23 +138,18 @@ def directions(pieces: Sequence[Piece], i: int, j: int) -> Iterator[Direction]:
     """
     rays: set[Direction] = set()
     curved = False
-    for polynomial in _critical(pieces):
+    critical = chain.from_iterable(piece.critical() for piece in pieces)
+    meeting = (one.zeta.norm_of_difference(other.zeta) for one, other in combinations(pieces, 2))
+    for polynomial in chain(critical, meeting):
         if sign(polynomial) and polynomial(i, j) == 0:
             local = polynomial.compose(I + i, J + j, ctx=IMAGE)
             rays.update(tangents(local))
             curved = curved or local.total_degree() > 1
-    around = sorted(rays, key=cmp_to_key(_turn))
+    around = sorted(rays, key=_turn)
     if curved:
         yield from around
     for one, other in pairwise([*around, *around[:1]]):
         yield between(one, other)
-
-
-def _critical(pieces: Sequence[Piece]) -> Iterator[Polynomial]:
-    for piece in pieces:
-        yield from piece.critical()
-    for one, other in combinations(pieces, 2):
-        yield one.zeta.norm_of_difference(other.zeta)
 
 
 def tangents(local: Polynomial) -> Iterator[Direction]:
@@ -184,17 +181,11 @@ def _roots(factor: fmpz_poly) -> list[Direction]:
     return [(dx, dy) for dy, dx in slopes]
 
 
-def _half(direction: Direction) -> int:
-    """Return 0 from angle 0 up to below a half turn, else 1."""
+def _turn(direction: Direction) -> Fraction:
+    """Return what grows with the angle: 0 to the right, 1 upwards, 2 to the left, 3 downwards."""
     x, y = direction
-    return 0 if y > 0 or (y == 0 and x > 0) else 1
-
-
-def _turn(one: Direction, other: Direction) -> int:
-    """Order directions by angle; 0 for parallel ones."""
-    if _half(one) != _half(other):
-        return _half(one) - _half(other)
-    return one[1] * other[0] - one[0] * other[1]
+    share = Fraction(x, abs(x) + abs(y))
+    return 1 - share if y >= 0 else 3 + share
 
 
 def between(one: Direction, other: Direction) -> Direction:

@@ -9,9 +9,11 @@ import numpy as np
 from hsr.base.arrays import Floats, Ints
 from hsr.exact.decide import Piece
 from hsr.exact.double_double import bits, depths, split
-from hsr.exact.infinitesimals import at, beside, coefficients
+from hsr.exact.infinitesimals import at, beside, coefficients, sign
 from hsr.exact.numbers import Frame
+from hsr.exact.planes import on_planes
 from hsr.exact.problem import Problem
+from hsr.exact.quadrics import form
 
 GUARD = 70
 """Bits beyond those that the subtraction in p + q sqrt(r) can cancel."""
@@ -26,10 +28,9 @@ def depths_of(problem: Problem, owner: Ints) -> Floats:
     depth = np.full(len(owner), np.inf)
     owned = np.flatnonzero(owner >= 0)
     owners, which = np.unique(owner[owned], return_inverse=True)
-    surds = np.concatenate([_flat_surds(problem, owners), _curved_surds(problem, owners)])
-    depth[owned] = depths(surds, _forms(problem.frame), which, *problem.at(owned))
+    depth[owned] = depths(*_quotients(problem, owners), which, *problem.frame.at(owned))
     unsure = np.flatnonzero(np.isnan(depth))
-    for sample, i, j in zip(unsure, *problem.exactly_at(unsure), strict=True):
+    for sample, i, j in zip(unsure, *problem.frame.exactly_at(unsure), strict=True):
         above, below = depth_quotient(problem.frame, problem.piece(int(owner[sample])), i, j)
         depth[sample] = above / below
     return depth
@@ -38,37 +39,26 @@ def depths_of(problem: Problem, owner: Ints) -> Floats:
 # ---------------------------------------------------------------- doubled precision
 
 
-def _forms(frame: Frame) -> Floats:
-    """Turn the forms of a depth into four polynomials for :func:`hsr.exact.double_double.depths`."""
-    forms = np.array([frame.depth, frame.unit])
-    scale = np.repeat(bits(forms).max(), 2)
-    table = np.zeros((4, 3, 6))
-    table[::2, :, 3:] = split(forms[:, :3], scale)
-    table[1::2, :, 5:] = split(forms[:, 3:], scale)
-    return table
+def _quotients(problem: Problem, owners: Ints) -> tuple[Floats, Floats]:
+    """Return numerators and denominators of the depths of pieces (n,), as :func:`depths` takes them.
 
-
-def _flat_surds(problem: Problem, owners: Ints) -> Floats:
-    flat = owners[owners < len(problem.triangles)]
-    table = np.zeros((len(flat), 4, 3, 6))
-    if len(flat):
-        zeta, det = problem.triangles.zeta[flat], problem.triangles.det[flat, None]
-        scale = bits(np.hstack([zeta, det]))
-        table[:, 0, :, 3:], table[:, 3, :, 5:] = split(zeta, scale), split(det, scale)
-    return table
-
-
-def _curved_surds(problem: Problem, owners: Ints) -> Floats:
-    """Scale p and s by one power of two, and r by its square."""
-    curved = owners[owners >= len(problem.triangles)]
-    table = np.zeros((len(curved), 4, 3, 6))
-    if len(curved):
-        zetas = [problem.piece(int(number)).zeta for number in curved]
-        p, q, r, s = (np.array([coefficients(getattr(zeta, k)) for zeta in zetas]) for k in "pqrs")
-        scale = bits(np.hstack([p, s]))
-        table[:, 0], table[:, 2], table[:, 3] = split(p, scale), split(r, 2 * scale), split(s, scale)
-        table[:, 1, 0] = q.astype(np.float64)
-    return table
+    Depth is a quotient of two forms. Both are scaled by one power of two, what is below roots by its square.
+    """
+    forms = problem.frame.depth, problem.frame.unit
+    flats = int(np.searchsorted(owners, len(problem.triangles)))
+    parts, signs = np.zeros((len(owners), 2, 2, 3, 6)), np.zeros((len(owners), 2))
+    zeta, det = problem.triangles.zeta[owners[:flats]], problem.triangles.det[owners[:flats]]
+    planes = np.stack([on_planes(each, zeta, det) for each in forms], axis=1)
+    parts[:flats, :, 0, :, 3:] = split(planes, bits(planes).max(axis=1))
+    if flats < len(owners):
+        rounds = [problem.piece(int(number)).zeta for number in owners[flats:]]
+        surds = [[zeta.affine(*form(each)[::-1]) for each in forms] for zeta in rounds]
+        p = np.array([[coefficients(surd.p) for surd in pair] for pair in surds])
+        r = np.array([[coefficients(surd.q**2 * surd.r) for surd in pair] for pair in surds])
+        scale = bits(p).max(axis=1)
+        parts[flats:, :, 0], parts[flats:, :, 1] = split(p, scale), split(r, 2 * scale)
+        signs[flats:] = [[sign(surd.q) for surd in pair] for pair in surds]
+    return parts, signs
 
 
 # ---------------------------------------------------------------- integers

@@ -97,42 +97,46 @@ def at(coefficients: Floats, i: int, j: int) -> Number:
 
 
 @jit
-def depths(surds: Floats, forms: Floats, which: Array, i: Array, j: Array) -> Floats:
+def depths(parts: Floats, signs: Floats, which: Array, i: Array, j: Array) -> Floats:
     """Evaluate the depths of many samples.
 
     Parameters
     ----------
-    surds : (n, 4, 3, 6) float64
-        p, q, r and s of each zeta = (p + q sqrt(r)) / s; q is -1, 0 or 1, in the last column.
-    forms : (4, 3, 6) float64
-        Depth is the quotient of ``forms[0] + forms[1] zeta`` and ``forms[2] + forms[3] zeta``.
+    parts : (n, 2, 2, 3, 6) float64
+        p and r of each numerator and denominator p + s sqrt(r), polynomials as :func:`split` makes them.
+    signs : (n, 2) float64
+        Their s, -1, 0 or 1.
     which, i, j : (m,) int64
-        Surd and coordinates of each sample.
+        Quotient and coordinates of each sample.
 
     Returns
     -------
     (m,) float64
         NaN where the depth could not be had to within 2^-60 of itself before it is rounded.
     """
-    depth = np.full(len(which), np.nan)
+    depth = np.empty(len(which))
     for n in range(len(which)):
-        surd = surds[which[n]]
-        p, s = at(surd[0], i[n], j[n]), at(surd[3], i[n], j[n])
-        if surd[1, 0, 5] != 0.0:
-            r = at(surd[2], i[n], j[n])
-            if r[0] <= 2.0 * r[2]:
-                continue
-            p = add(p, times((surd[1, 0, 5], 0.0, 0.0), root(r)))
-        above = add(times(at(forms[0], i[n], j[n]), s), times(at(forms[1], i[n], j[n]), p))
-        below = add(times(at(forms[2], i[n], j[n]), s), times(at(forms[3], i[n], j[n]), p))
-        depth[n] = quotient(above, below)
+        part, sign = parts[which[n]], signs[which[n]]
+        depth[n] = quotient(surd(part[0], sign[0], i[n], j[n]), surd(part[1], sign[1], i[n], j[n]))
     return depth
 
 
+@jit
+def surd(part: Floats, sign: float, i: int, j: int) -> Number:
+    """Return p + sign sqrt(r), of infinite error where r may vanish."""
+    p = at(part[0], i, j)
+    if sign == 0.0:
+        return p
+    r = at(part[1], i, j)
+    if r[0] <= 2.0 * r[2]:
+        return p[0], p[1], np.inf
+    high, low, error = root(r)
+    return add(p, (sign * high, sign * low, error))
+
+
 def bits(numbers: Array) -> Array:
-    """Return the bits of the greatest of each row of integers (n, k), as (n,) int64."""
-    lengths = np.asarray(np.frompyfunc(int.bit_length, 1, 1)(numbers), dtype=np.int64)
-    return np.asarray(lengths.max(axis=1))
+    """Return the bits of the greatest of each row of integers (..., k), as (...) int64."""
+    return np.asarray(np.max(np.frompyfunc(int.bit_length, 1, 1)(numbers), axis=-1), dtype=np.int64)
 
 
 def split(numbers: Array, scale: Array) -> Floats:
@@ -140,20 +144,20 @@ def split(numbers: Array, scale: Array) -> Floats:
 
     Parameters
     ----------
-    numbers : (n, k) object
+    numbers : (n, ..., k) object
     scale : (n,) int64
 
     Returns
     -------
-    (n, 3, k) float64
+    (n, ..., 3, k) float64
         Greater parts, lesser parts and errors of ``numbers / 2**scale``.
     """
-    excess = (bits(numbers) - BITS)[:, None]
+    excess = (bits(numbers) - BITS)[..., None]
     cut = (numbers << np.maximum(-excess, 0).astype(object)) >> np.maximum(excess, 0).astype(object)
     high = cut.astype(np.float64)
     low = (cut - np.frompyfunc(int, 1, 1)(high)).astype(np.float64)
     error = 1.0 + PRECISION * np.abs(high)
     with np.errstate(over="ignore"):  # what is computed from infinity ends as NaN
-        parts = np.ldexp(np.stack([high, low, error]), excess - scale[:, None])
-    parts[2] += TINY
-    return np.asarray(parts.transpose(1, 0, 2))
+        parts = np.ldexp(np.stack([high, low, error], axis=-2), (excess.T - scale).T[..., None])
+    parts[..., 2, :] += TINY
+    return np.asarray(parts)

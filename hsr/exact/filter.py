@@ -13,7 +13,6 @@ Depth is compared by a *key*, -zeta or zeta, so that the least key is nearest.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -21,17 +20,15 @@ import numpy as np
 from hsr.base.arrays import Array, Bools, Floats, Ints
 from hsr.base.jit import jit
 from hsr.exact.decide import Piece
-from hsr.exact.infinitesimals import Polynomial, coefficients
+from hsr.exact.infinitesimals import Polynomial, Surd, coefficients
 from hsr.exact.planes import Triangles, bounds, ratio
-from hsr.exact.quadrics import Round
 
 ROUNDING = 2.0**-49
 TINY = 2.0**-1000
 TINY_SLOPE = 2.0**-500
 
 
-@dataclass(frozen=True, eq=False)
-class Candidates:
+class Candidates(NamedTuple):
     """The pieces that may be nearest, sample after sample, row after row.
 
     Attributes
@@ -56,15 +53,15 @@ def candidates(flat: TriangleTables, curved: RoundTables, height: int, width: in
     both for certain. No other sample is settled.
     """
     reach = np.full((height, width), np.inf)
-    reach_triangles(flat, reach)
-    reach_rounds(curved, reach)
 
     def visit(slot: Array, piece: Ints, sure: Bools) -> None:
-        list_triangles(flat, reach, slot, piece, sure)
-        list_rounds(curved, reach, slot, piece, sure, len(flat.key))
+        visit_triangles(flat, reach, slot, piece, sure)
+        visit_rounds(curved, reach, slot, piece, sure, len(flat.key))
 
-    count = np.zeros((height, width), dtype=np.int64)
-    visit(count, np.zeros(0, np.int32), np.zeros(0, np.bool_))
+    nothing = np.zeros(0, np.int32), np.zeros(0, np.bool_)
+    visit(np.zeros((0, 0), np.int64), *nothing)
+    count = np.zeros((height, width), np.int64)
+    visit(count, *nothing)
     start = np.concatenate([[0], np.cumsum(count)])
     piece, sure = np.zeros(start[-1], np.int32), np.zeros(start[-1], np.bool_)
     visit(start[:-1].reshape(height, width).copy(), piece, sure)
@@ -162,25 +159,10 @@ def span(half: Floats, slack: Floats, j: int, width: int, box: Ints) -> tuple[in
 
 
 @jit
-def reach_triangles(flat: TriangleTables, reach: Floats) -> None:
-    """Lower ``reach`` (H, W) to the greatest key that a triangle surely at the sample can have."""
-    half, slack, key, key_slack, box = flat
-    height, width = reach.shape
-    for t in range(len(key)):
-        for row in range(box[t, 0], box[t, 2] + 1):
-            j = height - 1 - 2 * row
-            _, _, first, last = span(half[t], slack[t], j, width, box[t])
-            at_middle = key[t, 1] * j + key[t, 2] + key_slack[t]
-            for column in range(first, last + 1):
-                farthest = key[t, 0] * (2 * column + 1 - width) + at_middle
-                reach[row, column] = min(reach[row, column], farthest)
+def visit_triangles(flat: TriangleTables, reach: Floats, slot: Array, piece: Ints, sure: Bools) -> None:
+    """Lower ``reach`` (H, W) to the greatest key that a triangle surely at the sample can have.
 
-
-@jit
-def list_triangles(flat: TriangleTables, reach: Floats, slot: Array, piece: Ints, sure: Bools) -> None:
-    """Write what may be nearest at each sample from its ``slot`` (H, W) on, which moves along.
-
-    With empty ``piece`` and ``sure`` nothing is written: the slots count.
+    Given slots, note instead what may be nearest at each sample, see :func:`note`.
     """
     half, slack, key, key_slack, box = flat
     height, width = reach.shape
@@ -188,13 +170,24 @@ def list_triangles(flat: TriangleTables, reach: Floats, slot: Array, piece: Ints
         for row in range(box[t, 0], box[t, 2] + 1):
             j = height - 1 - 2 * row
             first, last, surely_first, surely_last = span(half[t], slack[t], j, width, box[t])
-            at_middle = key[t, 1] * j + key[t, 2] - key_slack[t]
+            middle = key[t, 1] * j + key[t, 2]
+            nearest, farthest = middle - key_slack[t], middle + key_slack[t]
+            if len(slot) == 0:
+                for column in range(surely_first, surely_last + 1):
+                    most = key[t, 0] * (2 * column + 1 - width) + farthest
+                    reach[row, column] = min(reach[row, column], most)
+                continue
             for column in range(first, last + 1):
-                if key[t, 0] * (2 * column + 1 - width) + at_middle <= reach[row, column]:
-                    if len(piece) > 0:
-                        piece[slot[row, column]] = t
-                        sure[slot[row, column]] = surely_first <= column <= surely_last
-                    slot[row, column] += 1
+                if key[t, 0] * (2 * column + 1 - width) + nearest <= reach[row, column]:
+                    note(slot, piece, sure, row, column, t, surely_first <= column <= surely_last)
+
+
+@jit
+def note(slot: Array, piece: Ints, sure: Bools, row: int, column: int, number: int, certain: bool) -> None:
+    """Write a candidate of a sample into its slot, which moves along; without ``piece`` slots only count."""
+    if len(piece) > 0:
+        piece[slot[row, column]], sure[slot[row, column]] = number, certain
+    slot[row, column] += 1
 
 
 # ---------------------------------------------------------------- curved pieces
@@ -207,7 +200,7 @@ class RoundTables(NamedTuple):
     ----------
     surd : (n, 4, 6) float64
         p, q, r and s of the key (p + q sqrt(r)) / s.
-    extent : (n, 1, 6) float64
+    extent : (n, 6) float64
     offset : (n, F, 6) float64
     slope : (n, F) float64
         Of the forms, for the key in place of zeta; F is the most of any piece, missing ones are 1.
@@ -221,17 +214,17 @@ class RoundTables(NamedTuple):
     box: Ints
 
 
-def round_tables(rounds: Sequence[Round], nearer: int) -> RoundTables:
+def round_tables(rounds: Sequence[Piece], nearer: int) -> RoundTables:
     """Round the curved pieces to float64."""
-    surd, extent = np.zeros((len(rounds), 4, 6)), np.zeros((len(rounds), 1, 6))
-    forms = max((len(this.piece.inside) for this in rounds), default=0)
+    surd, extent = np.zeros((len(rounds), 4, 6)), np.zeros((len(rounds), 6))
+    forms = max((len(piece.inside) for piece in rounds), default=0)
     offset, slope = np.zeros((len(rounds), forms, 6)), np.zeros((len(rounds), forms))
     offset[:, :, 5] = 1.0
     box = np.zeros((len(rounds), 4), dtype=np.int32)
-    for n, this in enumerate(rounds):
-        piece, box[n] = this.piece, this.box
-        surd[n] = _surd_table(piece, nearer)
-        extent[n] = [_scaled(polynomial, _greatest(polynomial)) for polynomial in piece.extent]
+    for n, piece in enumerate(rounds):
+        box[n], (bound,) = piece.box, piece.extent
+        surd[n] = _surd_table(piece.zeta, nearer)
+        extent[n] = _scaled(bound, _greatest(bound))
         for k, (constant, factor) in enumerate(piece.inside):
             greatest = max(_greatest(constant), _greatest(factor))
             offset[n, k] = _scaled(constant, greatest)
@@ -239,14 +232,11 @@ def round_tables(rounds: Sequence[Round], nearer: int) -> RoundTables:
     return RoundTables(surd, extent, offset, slope, box)
 
 
-def _surd_table(piece: Piece, nearer: int) -> Floats:
-    zeta = piece.zeta
+def _surd_table(zeta: Surd, nearer: int) -> Floats:
     greatest = max(_greatest(zeta.p), _greatest(zeta.s))
-    p, q = -nearer * zeta.p, -nearer * zeta.q
     # The root is scaled with r, and q, which is -1, 0 or 1, not at all.
-    return np.array(
-        [_scaled(p, greatest), _scaled(q, 1), _scaled(zeta.r, greatest**2), _scaled(zeta.s, greatest)]
-    )
+    scales, parts = (greatest, 1, greatest**2, greatest), (-nearer * zeta.p, -nearer * zeta.q, zeta.r, zeta.s)
+    return np.array([_scaled(part, scale) for part, scale in zip(parts, scales, strict=True)])
 
 
 def _greatest(polynomial: Polynomial) -> int:
@@ -290,12 +280,10 @@ def key_between(surd: Floats, i: int, j: int) -> tuple[float, float]:
 def round_at(curved: RoundTables, t: int, i: int, j: int) -> tuple[int, float, float]:
     """Judge a piece at a sample: 0 not there, 1 perhaps, 2 surely; and bounds of its key."""
     offset, slope = curved.offset[t], curved.slope[t]
-    verdict = 2
-    for k in range(curved.extent.shape[1]):
-        low, high = conic(curved.extent[t, k], i, j)
-        if high < 0.0:
-            return 0, 0.0, 0.0
-        verdict = min(verdict, 2 if low > 0.0 else 1)
+    low, high = conic(curved.extent[t], i, j)
+    if high < 0.0:
+        return 0, 0.0, 0.0
+    verdict = 2 if low > 0.0 else 1
     low, high = key_between(curved.surd[t], i, j)
     if high == np.inf:
         return 1, low, high
@@ -310,32 +298,18 @@ def round_at(curved: RoundTables, t: int, i: int, j: int) -> tuple[int, float, f
 
 
 @jit
-def reach_rounds(curved: RoundTables, reach: Floats) -> None:
-    """Lower ``reach`` (H, W) to the greatest key that a piece surely at the sample can have."""
-    box = curved.box
-    height, width = reach.shape
-    for t in range(len(box)):
-        for row in range(box[t, 0], box[t, 2] + 1):
-            for column in range(box[t, 1], box[t, 3] + 1):
-                i, j = 2 * column + 1 - width, height - 1 - 2 * row
-                verdict, _, farthest = round_at(curved, t, i, j)
-                if verdict == 2:
-                    reach[row, column] = min(reach[row, column], farthest)
-
-
-@jit
-def list_rounds(
+def visit_rounds(
     curved: RoundTables, reach: Floats, slot: Array, piece: Ints, sure: Bools, number: int
 ) -> None:
-    """Write as :func:`list_triangles` does; the pieces are numbered from ``number``."""
+    """Do as :func:`visit_triangles` does; the pieces are numbered from ``number``."""
     box = curved.box
     height, width = reach.shape
     for t in range(len(box)):
         for row in range(box[t, 0], box[t, 2] + 1):
             for column in range(box[t, 1], box[t, 3] + 1):
                 i, j = 2 * column + 1 - width, height - 1 - 2 * row
-                verdict, nearest, _ = round_at(curved, t, i, j)
-                if verdict > 0 and nearest <= reach[row, column]:
-                    if len(piece) > 0:
-                        piece[slot[row, column]], sure[slot[row, column]] = number + t, verdict == 2
-                    slot[row, column] += 1
+                verdict, nearest, farthest = round_at(curved, t, i, j)
+                if len(slot) == 0:
+                    reach[row, column] = min(reach[row, column], farthest if verdict == 2 else np.inf)
+                elif verdict > 0 and nearest <= reach[row, column]:
+                    note(slot, piece, sure, row, column, number + t, verdict == 2)

@@ -98,7 +98,7 @@ class Surd:
         """Return the sign of self - other."""
         u = self.p * other.s - other.p * self.s
         v, w = self.q * other.s, -other.q * self.s
-        return sign(self.s) * sign(other.s) * sign_with_roots(u, (v, self.r), (w, other.r))
+        return sign(self.s) * sign(other.s) * sign_with_roots(u, v, self.r, w, other.r)
 
     def norm(self) -> Polynomial:
         """Return p^2 - q^2 r, which vanishes wherever the number does."""
@@ -122,11 +122,8 @@ def sign_with_root(u: Polynomial, v: Polynomial, r: Polynomial) -> int:
     return first * sign(u * u - v * v * r)
 
 
-def sign_with_roots(
-    u: Polynomial, one: tuple[Polynomial, Polynomial], other: tuple[Polynomial, Polynomial]
-) -> int:
-    """Return the sign of u + v sqrt(r) + w sqrt(s) for ``one`` = (v, r) and ``other`` = (w, s)."""
-    (v, r), (w, s) = one, other
+def sign_with_roots(u: Polynomial, v: Polynomial, r: Polynomial, w: Polynomial, s: Polynomial) -> int:
+    """Return the sign of u + v sqrt(r) + w sqrt(s), r and s not negative."""
     first, second = sign_with_root(u, v, r), sign(w) and sign(w) * sign(s)
     if first * second >= 0:
         return first or second

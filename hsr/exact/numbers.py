@@ -22,7 +22,7 @@ stand for a i + b j + c + k zeta, its value divided by the positive w.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from itertools import product
 
 import numpy as np
 from flint import fmpq_mat
@@ -80,19 +80,14 @@ def inverse(matrix: Array) -> Array:
     return np.array([[int(entry.p) for entry in row] for row in scaled.tolist()], dtype=object)
 
 
-def samples(view: View) -> tuple[Array, Array]:
-    """Return the integers i (width,) of the columns and j (height,) of the rows, as int64."""
-    i = 2 * np.arange(view.width, dtype=np.int64) + 1 - view.width
-    j = view.height - 1 - 2 * np.arange(view.height, dtype=np.int64)
-    return i, j
-
-
 @dataclass(frozen=True, eq=False)
 class Frame:
     """The frame of a view's lines of sight, in integers.
 
     Attributes
     ----------
+    width, height : int
+        Of the image.
     rows : (4, 4) object
         X, Y, W and H of a homogeneous world point, up to positive factors: one for X, Y and W, and
         one for H.
@@ -104,20 +99,27 @@ class Frame:
         Forms that are not negative from near to far; L is 1 if far is infinite, else 2.
     """
 
+    width: int
+    height: int
     rows: Array
     nearer: int
     depth: Array
     unit: Array
     limits: Array
 
-    @cached_property
-    def from_world(self) -> Array:
-        """Matrix (4, 4) that turns a row of four world coefficients, on its left, into a form."""
-        return inverse(self.rows)
-
     def placed(self, world_from_object: Floats) -> Array:
         """Return the rows for points of an object."""
         return self.rows @ integers(world_from_object)
+
+    def at(self, sample: Array) -> tuple[Array, Array]:
+        """Return the coordinates i and j of samples (n,) int64, numbered row after row."""
+        row, column = np.divmod(sample, self.width)
+        return 2 * column + 1 - self.width, self.height - 1 - 2 * row
+
+    def exactly_at(self, sample: Array) -> tuple[Array, Array]:
+        """Return the same coordinates as Python integers, which do not overflow."""
+        i, j = self.at(sample)
+        return i.astype(object), j.astype(object)
 
 
 def frame_of(view: View) -> Frame:
@@ -136,7 +138,8 @@ def frame_of(view: View) -> Frame:
     rows = np.array([x_row * view.width, y_row * view.height, w_row, ONE if view.perspective else depth_row])
     to_form = inverse(rows)
     beyond = [(depth_row - planes[0]) @ to_form, *((plane - depth_row) @ to_form for plane in planes[1:])]
-    frame = Frame(rows, 1 if view.perspective else -1, depth_row @ to_form, unit @ to_form, np.array(beyond))
+    forms = depth_row @ to_form, unit @ to_form, np.array(beyond)
+    frame = Frame(view.width, view.height, rows, 1 if view.perspective else -1, *forms)
     _check_direction(view, frame)
     return frame
 
@@ -147,11 +150,8 @@ def _check_direction(view: View, frame: Frame) -> None:
     Under perspective depth = (g + k zeta) / (unit), g affine in (i, j): it falls with zeta if g is
     positive, on the whole image if at its corners. For a parallel view w must be positive.
     """
-    if view.perspective:
-        i, j = view.width, view.height
-        a, b, c, _ = frame.depth
-        forward = all(a * x + b * y + c > 0 for x in (-i, i) for y in (-j, j))
-    else:
-        forward = view.clip_from_world[3, 3] > 0
-    if not forward:
+    a, b, c, _ = frame.depth
+    corners = product((-view.width, view.width), (-view.height, view.height))
+    forward = all(a * i + b * j + c > 0 for i, j in corners)
+    if not (forward if view.perspective else view.clip_from_world[3, 3] > 0):
         raise ViewError("the depth of this camera does not grow along its lines of sight")

@@ -7,40 +7,20 @@ proves what it can, integers and polynomials decide the rest.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
-from hsr.base.arrays import Array, Floats, Ints, ranges
+from hsr.base.arrays import Array, Ints, ranges
 from hsr.exact.decide import Answer
 from hsr.exact.depths import depths_of
 from hsr.exact.filter import Candidates, candidates, round_tables
 from hsr.exact.problem import Problem, problem_of
 from hsr.exact.ties import Verdicts, firsts, settle
-from hsr.problem.map import BACKGROUND, Admissible
+from hsr.problem.map import BACKGROUND, Admissible, VisibilityMap
 from hsr.problem.view import View
 
 
-@dataclass(frozen=True, eq=False)
-class Truth:
-    """The exact answer for a view.
-
-    Attributes
-    ----------
-    face : (H, W) int32
-    depth : (H, W) float64
-    admissible : Admissible
-    uncertain : int
-        How many samples float64 could not settle.
-    """
-
-    face: Ints
-    depth: Floats
-    admissible: Admissible
-    uncertain: int
-
-
-def truth(view: View) -> Truth:
+def truth(view: View) -> VisibilityMap:
     """Decide every sample of a view exactly.
 
     Parameters
@@ -49,18 +29,19 @@ def truth(view: View) -> Truth:
 
     Returns
     -------
-    Truth
+    VisibilityMap
+        Work: ``uncertain``, the samples that float64 could not settle; ``ties``, those with more than one
+        admissible owner.
 
     Raises
     ------
     ViewError
         If the camera is singular, or its depth does not grow along its lines of sight.
     """
-    problem = problem_of(view)
-    owner, verdicts, unsettled = _decided(problem, view, np.arange(view.height * view.width))
     shape = (view.height, view.width)
-    face, depth = _faces(problem)[owner].reshape(shape), depths_of(problem, owner).reshape(shape)
-    return Truth(face, depth, admissible_of(verdicts), len(unsettled))
+    problem, owner, face, ties, uncertain = _decided(view, np.arange(view.height * view.width))
+    depth, work = depths_of(problem, owner).reshape(shape), {"uncertain": uncertain, "ties": len(ties.sample)}
+    return VisibilityMap(face.reshape(shape), depth, "exact", work, admissible=ties)
 
 
 def answers(view: View, samples: Array) -> dict[int, Answer]:
@@ -82,18 +63,14 @@ def answers(view: View, samples: Array) -> dict[int, Answer]:
     ViewError
         If the camera is singular, or its depth does not grow along its lines of sight.
     """
+    _, _, face, ties, _ = _decided(view, samples)
+    shown = zip(samples.tolist(), face[samples].tolist(), strict=True)
+    return {sample: (owner, ties.faces(sample) or frozenset([owner])) for sample, owner in shown}
+
+
+def _decided(view: View, samples: Array) -> tuple[Problem, Ints, Ints, Admissible, int]:
+    """Decide some samples: the piece (H W,) and the face of each, their ties, and how many were uncertain."""
     problem = problem_of(view)
-    owner, verdicts, _ = _decided(problem, view, samples)
-    faces = _faces(problem)[owner[samples]].tolist()
-    found = {sample: (face, frozenset([face])) for sample, face in zip(samples.tolist(), faces, strict=True)}
-    for verdict in verdicts:
-        for sample, which in zip(verdict.sample.tolist(), verdict.answer.tolist(), strict=True):
-            found[sample] = found[sample][0], verdict.answers[which][1]
-    return found
-
-
-def _decided(problem: Problem, view: View, samples: Array) -> tuple[Ints, list[Verdicts], Array]:
-    """Return the piece (H W,) that owns each of some samples, verdicts, and those of unsettled samples."""
     curved = round_tables(problem.rounds, problem.frame.nearer)
     found = candidates(problem.tables, curved, view.height, view.width)
     owner, unsettled = settled_by_filter(found)
@@ -102,13 +79,10 @@ def _decided(problem: Problem, view: View, samples: Array) -> tuple[Ints, list[V
     for verdict in verdicts:
         owners = np.array([piece for piece, _ in verdict.answers], dtype=np.int32)
         owner[verdict.sample] = owners[verdict.answer]
-    return owner, verdicts, unsettled
-
-
-def _faces(problem: Problem) -> Ints:
-    """Return the face of every piece, and last that of piece -1, the background."""
-    others = [*(this.piece.face for this in problem.rounds), BACKGROUND]
-    return np.concatenate([problem.triangles.face, np.array(others, dtype=np.int32)])
+    # Piece -1, the last one, is the background.
+    others = [*(piece.face for piece in problem.rounds), BACKGROUND]
+    face = np.concatenate([problem.triangles.face, np.array(others, dtype=np.int32)])[owner]
+    return problem, owner, face, admissible_of(verdicts), len(unsettled)
 
 
 def settled_by_filter(found: Candidates) -> tuple[Ints, Array]:

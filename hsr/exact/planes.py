@@ -114,8 +114,7 @@ def _placed(view: View, frame: Frame, placement: Placement, polygons: Polygons, 
     shown = np.any(ahead[vertex], axis=1) & ~beyond & np.all(box[:, :2] <= box[:, 2:], axis=1)
 
     number, edges, det = _facing(placement, corners, vertex, np.flatnonzero(shown))
-    h = corners[vertex[number], 3][:, :, None]
-    zeta = h[:, 0] * edges[:, 0] + h[:, 1] * edges[:, 1] + h[:, 2] * edges[:, 2]
+    zeta = (corners[vertex[number], 3][:, :, None] * edges).sum(axis=1)
     cut = ~np.all(inside[vertex[number]], axis=1)
     half = np.concatenate([edges, _within(frame, zeta, det, cut)], axis=1)
     face = polygons.triangle_face[number] + np.int32(placement.first)
@@ -137,9 +136,8 @@ def _facing(placement: Placement, corners: Array, vertex: Ints, number: Array) -
     """
     vertex = vertex[number].astype(np.int64)
     tail, head = vertex[:, [1, 2, 0]], vertex[:, [2, 0, 1]]
-    pairs, line = np.unique(
-        np.minimum(tail, head) * len(corners) + np.maximum(tail, head), return_inverse=True
-    )
+    pair = np.minimum(tail, head) * len(corners) + np.maximum(tail, head)
+    pairs, line = np.unique(pair, return_inverse=True)
     lines = cross(corners[pairs // len(corners)], corners[pairs % len(corners)])
     line, rising = line.reshape(vertex.shape), np.where(tail < head, 1, -1)
     det = (corners[vertex[:, 0], :3] * lines[line[:, 0]]).sum(axis=1) * rising[:, 0]
@@ -183,21 +181,16 @@ def boxes(view: View, corners: Array, vertex: Ints, ahead: Bools) -> Ints:
     A projection is the hull of its projected corners, if all of them are in front of the eye; the
     whole image otherwise. ``MARGIN`` more than makes up for rounding.
     """
-    shown = np.where(ahead, corners[:, 2], 1)
-    column = np.clip((ratio(corners[:, 0], shown) + view.width - 1) / 2, -2, view.width + 1)
-    row = np.clip((view.height - 1 - ratio(corners[:, 1], shown)) / 2, -2, view.height + 1)
-    box = np.stack(
-        [
-            np.ceil(row[vertex].min(axis=1) - MARGIN),
-            np.ceil(column[vertex].min(axis=1) - MARGIN),
-            np.floor(row[vertex].max(axis=1) + MARGIN),
-            np.floor(column[vertex].max(axis=1) + MARGIN),
-        ],
-        axis=1,
+    shown, size = np.where(ahead, corners[:, 2], 1), np.array([view.height, view.width])
+    column = (ratio(corners[:, 0], shown) + view.width - 1) / 2
+    row = (view.height - 1 - ratio(corners[:, 1], shown)) / 2
+    place = np.clip(np.stack([row, column], axis=1), -2, size + 1)[vertex]
+    first, last = np.ceil(place.min(axis=1) - MARGIN), np.floor(place.max(axis=1) + MARGIN)
+    sure = np.all(ahead[vertex], axis=1)[:, None]
+    first, last = (
+        np.where(sure, np.maximum(first, 0), 0),
+        np.where(sure, np.minimum(last, size - 1), size - 1),
     )
-    whole = np.array([0, 0, view.height - 1, view.width - 1])
-    box = np.where(np.all(ahead[vertex], axis=1)[:, None], box, whole)
-    first, last = np.maximum(box[:, :2], 0), np.minimum(box[:, 2:], whole[2:])
     return np.hstack([first, last]).astype(np.int32)
 
 

@@ -14,12 +14,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import chain, product
 from math import gcd
 
 import numpy as np
 
-from hsr.base.arrays import Array, Ints
+from hsr.base.arrays import Array
 from hsr.exact.decide import Form, Piece
 from hsr.exact.infinitesimals import NOTHING, I, J, Polynomial, Surd, affine, coefficients, constant
 from hsr.exact.numbers import Frame, integers, inverse
@@ -28,34 +28,19 @@ from hsr.problem.view import Placement, View
 from hsr.scene.shapes import Quadric
 
 
-@dataclass(frozen=True, eq=False)
-class Round:
-    """A piece of a curved shape, with what the filter must know of it.
-
-    Attributes
-    ----------
-    piece : Piece
-    box : (4,) int32
-        First row, first column, last row, last column of the samples it may cover.
-    """
-
-    piece: Piece
-    box: Ints
-
-
-def rounds_of(view: View, frame: Frame, number: int) -> list[Round]:
+def rounds_of(view: View, frame: Frame, number: int) -> list[Piece]:
     """Collect the pieces of all round solids of a view that can be seen on its image.
 
     They are numbered from ``number``.
     """
-    found: list[Round] = []
-    for placement in view.placements:
-        if placement.shape.quadric is not None:
-            found += _placed(view, frame, placement, placement.shape.quadric)
-    return [replace(this, piece=replace(this.piece, number=number + k)) for k, this in enumerate(found)]
+    found = chain.from_iterable(_placed(view, frame, placement) for placement in view.placements)
+    return [replace(piece, number=number + k) for k, piece in enumerate(found)]
 
 
-def _placed(view: View, frame: Frame, placement: Placement, solid: Quadric) -> Iterator[Round]:
+def _placed(view: View, frame: Frame, placement: Placement) -> Iterator[Piece]:
+    solid = placement.shape.quadric
+    if solid is None:
+        return
     to_frame = frame.placed(placement.world_from_object)
     block = np.array([[*corner, 1.0] for corner in product(*solid.box.T)])
     corners = integers(block) @ to_frame.T
@@ -65,7 +50,7 @@ def _placed(view: View, frame: Frame, placement: Placement, solid: Quadric) -> I
         return
     bounds = list(_bounds(frame, corners, bool(ahead.all())))
     for piece in _pieces(placement, solid, frame.nearer, inverse(to_frame)):
-        yield Round(replace(piece, inside=(*piece.inside, *bounds)), box)
+        yield replace(piece, inside=(*piece.inside, *bounds), box=box)
 
 
 def _bounds(frame: Frame, corners: Array, ahead: bool) -> Iterator[Form]:

@@ -9,7 +9,7 @@ they come. Each situation is decided once.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,8 +26,7 @@ LEVEL_BITS = 26
 """Bits for a depth level in a code, beside 31 for the triangle and one for each half-plane."""
 
 
-@dataclass(frozen=True, eq=False)
-class Verdicts:
+class Verdicts(NamedTuple):
     """Samples, each with one of a list of answers.
 
     Attributes
@@ -78,7 +77,7 @@ def _settle_curved(problem: Problem, sample: Array, piece: Ints, sure: Bools) ->
     known: dict[tuple[int, ...], int] = {}
     answers: list[Answer] = []
     which = []
-    for (numbers, certain), i, j in zip(lists, *problem.exactly_at(sample[first]), strict=True):
+    for (numbers, certain), i, j in zip(lists, *problem.frame.exactly_at(sample[first]), strict=True):
         present = [pieces[number] for number in numbers.tolist()]
         alike = bool(certain.all()) and len({piece.surface for piece in present}) == 1
         name = tuple(numbers.tolist()) if alike else (-1, i, j)
@@ -113,7 +112,7 @@ def _edges_met(problem: Problem, sample: Array, piece: Ints, sure: Bools) -> tup
     unsure = np.flatnonzero(~sure)
     for first in range(0, len(unsure), CHUNK):
         some = unsure[first : first + CHUNK]
-        i, j = (ends[:, None] for ends in problem.exactly_at(sample[some]))
+        i, j = (ends[:, None] for ends in problem.frame.exactly_at(sample[some]))
         half = problem.triangles.half[piece[some]]
         value = half[:, :, 0] * i + half[:, :, 1] * j + half[:, :, 2]
         edges[some] = (value == 0) @ (1 << np.arange(HALVES))
@@ -155,7 +154,7 @@ def _planes(problem: Problem, piece: Ints) -> Array:
 
 
 def _key(problem: Problem, sample: Array, piece: Ints) -> Floats:
-    i, j = problem.at(sample)
+    i, j = problem.frame.at(sample)
     key = problem.tables.key[piece]
     return np.asarray(key[:, 0] * i + key[:, 1] * j + key[:, 2])
 
@@ -180,7 +179,7 @@ def _steps(problem: Problem, sample: Array, piece: Ints, plane: Array) -> Array:
 def _compared(problem: Problem, sample: Array, one: Ints, other: Ints) -> Array:
     """Compare the depths of two triangles' planes exactly."""
     zeta, det = problem.triangles.zeta, problem.triangles.det
-    i, j = problem.exactly_at(sample)
+    i, j = problem.frame.exactly_at(sample)
     of_one, of_other = (zeta[t, 0] * i + zeta[t, 1] * j + zeta[t, 2] for t in (one, other))
     further = (of_one * det[other] - of_other * det[one]) * problem.frame.nearer
     return np.asarray((further > 0).astype(np.int64) - (further < 0))
@@ -201,7 +200,7 @@ def _by_situation(problem: Problem, sample: Array, code: Array) -> Iterator[Verd
         these = first[count == length]
         rows = code[these[:, None] + np.arange(length)]
         situations, example, which = np.unique(rows, axis=0, return_index=True, return_inverse=True)
-        i, j = problem.exactly_at(sample[these[example]])
+        i, j = problem.frame.exactly_at(sample[these[example]])
         answers = [_decide_situation(problem, *case) for case in zip(situations, i, j, strict=True)]
         yield Verdicts(sample[these], which, answers)
 

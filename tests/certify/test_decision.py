@@ -18,7 +18,8 @@ from hsr.base.arrays import Array
 from hsr.certify import Resolved, decision, first_pieces, resolve
 from hsr.certify.curved import rounded
 from hsr.certify.frame import integers
-from hsr.exact.oracle import Truth, truth
+from hsr.exact.oracle import truth
+from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View, view
 from tests.conftest import SCENES
 from tests.exact import brute
@@ -372,7 +373,7 @@ def test_depths_of_planes_are_correctly_rounded(make: Maker, seed: int) -> None:
 # ---------------------------------------------------------------- by the oracle
 
 
-def agrees(answer: Truth, found: Resolved) -> None:
+def agrees(answer: VisibilityMap, found: Resolved) -> None:
     assert (found.face == answer.face.ravel()).all()
     # The oracle's depths are within 0.51 ulp of the true ones.
     depth = answer.depth.ravel()[found.face >= 0]
@@ -397,7 +398,7 @@ def test_built_in_scenes(name: str) -> None:
         agrees(answer, asked(view_, shown_and_others(view_, answer)))
 
 
-def shown_and_others(view_: View, answer: Truth, others: int = 100) -> Array:
+def shown_and_others(view_: View, answer: VisibilityMap, others: int = 100) -> Array:
     """Return the pieces of the faces that the oracle shows, and some more."""
     count = first_pieces(view_.geometry)[-1]
     shown = np.isin(faces_of_pieces(view_), answer.face)

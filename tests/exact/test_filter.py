@@ -87,7 +87,7 @@ def test_the_owner_is_a_candidate_and_settled_only_if_certain(shapes: tuple[str,
     owner, unsettled = settled_by_filter(found)
     everything = [problem.piece(k) for k in range(len(problem.triangles) + len(problem.rounds))]
     for sample in range(view.width * view.height):
-        i, j = (int(x) for x in problem.at(np.array(sample)))
+        i, j = (int(x) for x in problem.frame.at(np.array(sample)))
         seen = {piece.number for piece in nearest(everything, beside(i, j), problem.frame.nearer)}
         assert seen <= set(found.piece[found.start[sample] : found.start[sample + 1]].tolist())
         if sample not in unsettled:

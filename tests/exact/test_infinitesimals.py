@@ -66,8 +66,7 @@ def test_sign_with_one_root(u: int, v: int, r: int) -> None:
 
 @given(small, small, square_free, small, square_free)
 def test_sign_with_two_roots(u: int, v: int, r: int, w: int, s: int) -> None:
-    ours = sign_with_roots(number(u), (number(v), number(r)), (number(w), number(s)))
-    assert ours == exact_sign(u, v, r, w, s)
+    assert sign_with_roots(*map(number, (u, v, r, w, s))) == exact_sign(u, v, r, w, s)
 
 
 def test_roots_that_differ_by_an_infinitesimal() -> None:

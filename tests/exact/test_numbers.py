@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hsr.base.errors import ViewError
-from hsr.exact.numbers import frame_of, integers, inverse, samples
+from hsr.exact.numbers import frame_of, integers, inverse
 from hsr.problem.view import view
 from tests.exact.hard import loose_view, scene
 
@@ -40,11 +40,10 @@ def test_inverse_up_to_a_positive_factor() -> None:
 
 
 def test_samples_are_twice_their_distance_from_the_middle() -> None:
-    i, j = samples(
-        view(scene([{"shape": "square"}], {"type": "perspective", "eye": [0.0, 0.0, 5.0]}), (3, 2))
-    )
-    assert i.tolist() == [-2, 0, 2]
-    assert j.tolist() == [1, -1]
+    seen = view(scene([{"shape": "square"}], {"type": "perspective", "eye": [0.0, 0.0, 5.0]}), (3, 2))
+    i, j = frame_of(seen).at(np.arange(6))
+    assert i.tolist() == [-2, 0, 2] * 2
+    assert j.tolist() == [1, 1, 1, -1, -1, -1]
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -11,7 +11,8 @@ import pytest
 
 from hsr.base.arrays import Floats
 from hsr.base.errors import ViewError
-from hsr.exact.oracle import Truth, truth
+from hsr.exact.oracle import truth
+from hsr.problem.map import VisibilityMap
 from hsr.problem.view import Placement, View, view
 from hsr.scene.shapes import Kind, Polygons, Shape
 from tests.exact import brute
@@ -26,13 +27,13 @@ def seen(objects: list[dict[str, Any]], side: int = 4, **camera: Any) -> View:
     return view(scene(objects, {**LOOKING_DOWN, **camera}), (side, side))
 
 
-def ties(answer: Truth) -> dict[tuple[int, int], set[int]]:
+def ties(answer: VisibilityMap) -> dict[tuple[int, int], set[int]]:
     """The admissible faces of the tied samples, by row and column."""
     told, width = answer.admissible, answer.face.shape[1]
     return {divmod(int(sample), width): set(told.faces(int(sample))) for sample in told.sample}
 
 
-def admissible_everywhere(answer: Truth) -> list[list[set[int]]]:
+def admissible_everywhere(answer: VisibilityMap) -> list[list[set[int]]]:
     tied = ties(answer)
     return [
         [tied.get((r, c), {int(face)}) for c, face in enumerate(row)] for r, row in enumerate(answer.face)
