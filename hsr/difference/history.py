@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache, cached_property, lru_cache, partial
+from functools import cache, cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,7 +16,7 @@ from hsr.base.errors import MapError
 from hsr.difference.cause import Causes, causes_at
 from hsr.difference.nearby import check_sample, faces_nearby
 from hsr.difference.sightline import EDGE_ON, Layer, Sightline, sightlines
-from hsr.models.llvmpipe.driver import LLVMPIPE, Drawing, Drawn
+from hsr.models.llvmpipe.driver import SUBPIXEL_BITS, Drawn, drawn_at
 from hsr.models.stages import Cause
 from hsr.problem.map import BACKGROUND, VisibilityMap, name_in
 from hsr.problem.view import View
@@ -27,7 +27,7 @@ LEVELS = 2**24 - 1
 DRIVER = "llvmpipe"
 """The driver of OpenGL that is modelled."""
 
-SNAPPED = f"after snapping to 1/{1 << LLVMPIPE.subpixel_bits} pixel"
+SNAPPED = f"after snapping to 1/{1 << SUBPIXEL_BITS} pixel"
 
 MISSES_TOLD = 8
 """How many of the faces that just miss the sample the text names; JSON names all."""
@@ -453,7 +453,7 @@ class _Telling:
 
     def drawn(self, face: int) -> Drawn | None:
         """How the driver sees a face at the sample, where it is the one that is modelled."""
-        return _drawing(self.historian.view).at(face, self.sample) if self.modelled else None
+        return drawn_at(self.historian.view, face, self.sample) if self.modelled else None
 
     def _reason(self, cause: Cause) -> str:
         """Say what went wrong, by the numbers of the method's own model if it has some."""
@@ -479,10 +479,6 @@ class _Telling:
             return f"{polygons}curved shapes lie elsewhere"
         missed = min(-layer.nearest_edge[1] for layer in own)
         return f"{polygons}{name} miss the sample by {missed:.3g} px"
-
-
-# The whole view is drawn; kept for the next samples of it.
-_drawing = lru_cache(maxsize=1)(Drawing)
 
 
 def _inside(distance: float) -> str:

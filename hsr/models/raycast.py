@@ -23,6 +23,7 @@ chance, and the other models say at which stage it leaves the truth.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -34,7 +35,7 @@ from hsr.models.rounded import seen_along_third, true_faces
 from hsr.models.stages import Cause, Stage, at_samples, ending, rerun
 from hsr.problem.geometry import as_float32
 from hsr.problem.view import Placement, View
-from hsr.scene.shapes import Kind
+from hsr.scene.shapes import Kind, Shape
 
 RENDERED = rerun(render)
 
@@ -42,23 +43,25 @@ RENDERED = rerun(render)
 def _on_screen(view: View) -> View:
     """Return the view of the objects on the screen: (X, Y, depth), X and Y as in ``corner_of``."""
     width, height = float(view.width), float(view.height)
-    x_row, y_row = [2.0 * height, 0.0, 0.0, 0.0], [0.0, -2.0 * width, 0.0, 0.0]
-    seen = seen_along_third(view, x_row, y_row, width * height)
-    placed = zip(view.placements, screen_matrices(view), strict=True)
-    return replace(seen, placements=tuple(_carried(p, m, p.shape.kind == Kind.MESH) for p, m in placed))
+    seen = seen_along_third(view, 2.0 * height, -2.0 * width, width * height)
+    return _carried(seen, screen_matrices(view), lambda shape: shape.kind == Kind.MESH)
 
 
 def _in_clip_space(view: View) -> View:
     """Return the view of the objects in clip space: (x, y, depth), for tiles of rays."""
-    seen = seen_along_third(view, [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], 1.0)
-    placed = zip(view.placements, clip_matrices(view), strict=True)
-    return replace(seen, placements=tuple(_carried(p, m, not p.shape.curved) for p, m in placed))
+    return _carried(seen_along_third(view), clip_matrices(view), lambda shape: not shape.curved)
 
 
-def _carried(placement: Placement, matrix: Floats, by_vertices: bool) -> Placement:
-    """Carry an object by a matrix (3, 4) as it is, or its vertices, each rounded."""
+def _carried(seen: View, matrices: Iterable[Floats], by_vertices: Callable[[Shape], bool]) -> View:
+    """Carry each object by its matrix (3, 4)."""
+    placed = zip(seen.placements, matrices, strict=True)
+    return replace(seen, placements=tuple(_moved(*one, by_vertices) for one in placed))
+
+
+def _moved(placement: Placement, matrix: Floats, by_vertices: Callable[[Shape], bool]) -> Placement:
+    """Carry an object as it is, or by its vertices, each rounded."""
     polygons = placement.shape.polygons
-    if polygons is None or not by_vertices:
+    if polygons is None or not by_vertices(placement.shape):
         return replace(placement, world_from_object=np.vstack([matrix, [0.0, 0.0, 0.0, 1.0]]))
     x, y, z = polygons.vertices.T[:, :, None]
     # The order of the sum is that of the method.
@@ -84,11 +87,9 @@ def _rounded(placement: Placement) -> Placement:
 
 def transform(view: View, options: Options, samples: Array) -> Ints:
     """Model the rounding of the composed matrices and of projected vertices."""
-    if options.acceleration == "tiles":
-        return true_faces(_in_clip_space(view))[samples]
-    if options.test != "screen":
+    if options.acceleration != "tiles" and options.test != "screen":
         return input_rounding(view, options, samples)
-    return true_faces(_on_screen(view))[samples]
+    return true_faces((_in_clip_space if options.acceleration == "tiles" else _on_screen)(view))[samples]
 
 
 def traversal(view: View, options: Options, samples: Array) -> Ints:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from fractions import Fraction
 from functools import lru_cache
 
 import numpy as np
@@ -21,8 +22,11 @@ from hsr.problem.map import VisibilityMap
 from hsr.problem.view import Placement, View, WorldPolygons
 from hsr.scene.shapes import Kind, Shape
 
-THIRD = [0.0, 0.0, 1.0, 0.0]
+THIRD = np.array([0.0, 0.0, 1.0, 0.0])
 """The row of a matrix that reads off the third coordinate."""
+
+fractions = np.frompyfunc(lambda number: Fraction(float(number)), 1, 1)
+"""Turns an array of floats into one of fractions, which are what they are."""
 
 
 def true_faces(view: View) -> Ints:
@@ -71,14 +75,14 @@ def _objects(polygons: WorldPolygons, chosen: Bools) -> Iterator[Placement]:
         yield Placement("", shape, np.eye(4), 0, int(cull), False, (0.0, 0.0, 0.0))
 
 
-def seen_along_third(view: View, x_row: list[float], y_row: list[float], w: float) -> View:
+def seen_along_third(view: View, x: float = 1.0, y: float = 1.0, w: float = 1.0) -> View:
     """Give a view a camera that looks along the third coordinate of its world, which is the depth.
 
     Parameters
     ----------
     view : View
-    x_row, y_row : 4 float
-        Clip coordinates x and y.
+    x, y : float
+        Clip coordinates x and y: these times those of the world.
     w : float
         Clip coordinate w: this times the depth under perspective, else this.
 
@@ -87,9 +91,10 @@ def seen_along_third(view: View, x_row: list[float], y_row: list[float], w: floa
     View
         Near, far and the kind of projection are those of ``view``.
     """
-    w_row = [0.0, 0.0, w, 0.0] if view.perspective else [0.0, 0.0, 0.0, w]
-    z_row = [0.0, 0.0, 0.0, 1.0] if view.perspective else THIRD
-    return replace(view, clip_from_world=np.array([x_row, y_row, z_row, w_row]), depth_row=np.array(THIRD))
+    matrix = np.diag([x, y, 1.0, w])
+    if view.perspective:
+        matrix[2:] = matrix[2:, [0, 1, 3, 2]]
+    return replace(view, clip_from_world=matrix, depth_row=THIRD)
 
 
 def seen_from_front(view: View, near: float, far: float, y_up: bool = False) -> View:
@@ -98,12 +103,7 @@ def seen_from_front(view: View, near: float, far: float, y_up: bool = False) -> 
     The clip coordinates ``((2 x - W) H, (H - 2 y) W, z, W H)`` have integers for coefficients. With
     ``y_up`` pixels are counted from the bottom, and the second is ``(2 y - H) W``.
     """
-    width, height = float(view.width), float(view.height)
-    up = 1.0 if y_up else -1.0
-    rows = [
-        [2.0 * height, 0.0, 0.0, -width * height],
-        [0.0, up * 2.0 * width, 0.0, -up * width * height],
-        THIRD,
-        [0.0, 0.0, 0.0, width * height],
-    ]
-    return replace(view, clip_from_world=np.array(rows), depth_row=np.array(THIRD), near=near, far=far)
+    width, height, up = float(view.width), float(view.height), 1.0 if y_up else -1.0
+    matrix = np.diag([2.0 * height, up * 2.0 * width, 1.0, width * height])
+    matrix[:2, 3] = -width * height, -up * width * height
+    return replace(view, clip_from_world=matrix, depth_row=THIRD, near=near, far=far)

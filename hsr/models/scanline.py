@@ -27,7 +27,7 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from fractions import Fraction
-from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -38,7 +38,14 @@ from hsr.kernels.clipping import clip_polygons, view_volume
 from hsr.kernels.polygon_table import polygon_table
 from hsr.kernels.projection import clip_rows, to_clip
 from hsr.kernels.strips import scan_convert
-from hsr.models.rounded import TESSELLATED, of_polygons, seen_along_third, seen_from_front, true_faces
+from hsr.models.rounded import (
+    TESSELLATED,
+    fractions,
+    of_polygons,
+    seen_along_third,
+    seen_from_front,
+    true_faces,
+)
 from hsr.models.stages import Cause, Stage, ending, rerun
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import View, WorldPolygons
@@ -56,13 +63,13 @@ def transform(view: View, options: Options, samples: Array) -> Ints:
     """Model the rounding of clip coordinates."""
     view = view.tessellated()
     polygons = replace(view.polygons, vertices=_clip(view))
-    return _judged(_camera_of_clip_space(view), polygons, view, options, samples)
+    return _judged(seen_along_third(view), polygons, view, options, samples)
 
 
 def clipping(view: View, options: Options, samples: Array) -> Ints:
     """Model the rounding of the corners that clipping makes."""
     view = view.tessellated()
-    return _judged(_camera_of_clip_space(view), _clipped(view), view, options, samples)
+    return _judged(seen_along_third(view), _clipped(view), view, options, samples)
 
 
 def vertex_snapping(view: View, options: Options, samples: Array) -> Ints:
@@ -86,10 +93,6 @@ def _judged(seen: View, polygons: WorldPolygons, view: View, options: Options, s
     chosen = np.diff(drawn.start) < 3
     chosen[_reaching(view, drawn, _scanned(view, options, samples))[0]] = True
     return true_faces(of_polygons(seen, polygons, chosen))[samples]
-
-
-def _camera_of_clip_space(view: View) -> View:
-    return seen_along_third(view, [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], 1.0)
 
 
 def _clip(view: View) -> Floats:
@@ -133,9 +136,8 @@ def _reaching(view: View, polygons: WorldPolygons, samples: Array) -> tuple[Arra
     asked[row + 1, column + 1] = 1
     above_left = asked.cumsum(axis=0).cumsum(axis=1)
     top, left, bottom, right = box.T
-    inside = (
-        above_left[bottom, right] - above_left[top, right] - above_left[bottom, left] + above_left[top, left]
-    )
+    inside = above_left[bottom, right] - above_left[top, right]
+    inside += above_left[top, left] - above_left[bottom, left]
     return whole[inside > 0], box[inside > 0]
 
 
@@ -160,10 +162,9 @@ def _boxes(view: View, polygons: WorldPolygons, first: Ints) -> Array:
 def fill_rule(view: View, options: Options, samples: Array) -> Ints:
     """Model the coverage: of the polygons that the method draws at a sample, the nearest."""
     view, samples = view.tessellated(), _scanned(view, options, samples)
-    polygons = on_screen(view, options)
-    layers = layers_of(view, polygons, samples)
-    later = options.depth_test == "less-equal"
-    return nearest_drawn(view, polygons, _drawn(view, polygons, layers, options), samples, later)
+    polygons, number = on_screen(view, options), np.arange(len(view.polygons), dtype=np.int32)
+    drawn = _drawn(view, polygons, number, layers_of(view, polygons, samples), options)
+    return nearest_drawn(view, polygons, drawn, samples, later=options.depth_test == "less-equal")
 
 
 def nearest_drawn(
@@ -216,13 +217,15 @@ def layers_of(view: View, polygons: WorldPolygons, samples: Array) -> list[list[
     return layers
 
 
-def _drawn(view: View, polygons: WorldPolygons, layers: list[list[int]], options: Options) -> Iterator[Ints]:
-    """Scan convert each layer by itself, and yield which polygon (H, W) is drawn at each sample."""
-    number, size = np.arange(len(polygons), dtype=np.int32), (view.width, view.height)
-    screen, corner, cull = polygons.vertices, polygons.corner, cull_on_screen(polygons.cull, options)
+def _drawn(
+    view: View, polygons: WorldPolygons, number: Ints, layers: Iterable[Any], options: Options, **form: Any
+) -> Iterator[Ints]:
+    """Scan convert each layer of numbered polygons by itself, and yield the number (H, W) at each sample."""
+    size, cull = (view.width, view.height), cull_on_screen(polygons.cull, options)
+    screen, corner = polygons.vertices, polygons.corner
     plane, table = polygon_table(screen, corner, polygons.start, number, cull, size)
     for layer in layers:
-        yield scan_convert(screen, corner, plane[layer], table[layer], size, options.directly)[1]
+        yield scan_convert(screen, corner, plane[layer], table[layer], size, options.directly, **form)[1]
 
 
 def _plane(polygons: WorldPolygons, i: int) -> tuple[Fraction, Fraction, Fraction]:
@@ -231,13 +234,9 @@ def _plane(polygons: WorldPolygons, i: int) -> tuple[Fraction, Fraction, Fractio
     The plane through its first corner, with the normal of Newell's method. A polygon that only rounding
     keeps from being edge-on has its first corner's depth.
     """
-    loop = polygons.corner[polygons.start[i] : polygons.start[i + 1]]
-    points = [[Fraction(float(x)) for x in point] for point in polygons.vertices[loop]]
-    x, y, z = points[0]
-    a = b = c = Fraction(0)
-    sides = [[e - o for e, o in zip(point, points[0], strict=True)] for point in points[1:]]
-    for (px, py, pz), (qx, qy, qz) in pairwise(sides):
-        a, b, c = a + py * qz - pz * qy, b + pz * qx - px * qz, c + px * qy - py * qx
+    points = fractions(polygons.vertices[polygons.corner[polygons.start[i] : polygons.start[i + 1]]])
+    (x, y, z), sides = points[0], points[1:] - points[0]
+    a, b, c = np.cross(sides[:-1], sides[1:]).sum(axis=0)
     z_x, z_y = (-a / c, -b / c) if c else (Fraction(0), Fraction(0))
     return z - z_x * x - z_y * y, z_x / 2, z_y / 2
 
@@ -248,11 +247,9 @@ def _plane(polygons: WorldPolygons, i: int) -> tuple[Fraction, Fraction, Fractio
 def depth_arithmetic(view: View, options: Options, samples: Array) -> Ints:
     """Run the method without rounding depths to what the buffer holds."""
     view, samples = view.tessellated(), _scanned(view, options, samples)
-    polygons, size = on_screen(view, options), (view.width, view.height)
-    screen, corner, cull = polygons.vertices, polygons.corner, cull_on_screen(polygons.cull, options)
-    plane, table = polygon_table(screen, corner, polygons.start, polygons.face, cull, size)
+    polygons = on_screen(view, options)
     form = unrounded(TESTS[options.depth_test], options.arithmetic == "fixed")
-    face = scan_convert(screen, corner, plane, table, size, options.directly, form=form)[1]
+    (face,) = _drawn(view, polygons, polygons.face, [slice(None)], options, form=form)
     return np.asarray(face.ravel()[samples])
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from enum import IntEnum
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -56,8 +55,7 @@ class Stage(NamedTuple):
     faces: Callable[[View, Any, Array], Ints]
 
 
-@dataclass(frozen=True)
-class Pipeline:
+class Pipeline(NamedTuple):
     """The models of a method, each one stage deeper than the one before.
 
     Attributes

@@ -41,22 +41,17 @@ def distances(origin: Array, direction: Array, corners: Array, reach: np.float32
         Largest distance that counts, in units of the direction; the least is 0. Both are closed.
     """
     found = np.full(len(corners), MISS)
-    d = (direction[0], direction[1], direction[2])
     for i in range(len(corners)):
-        t = distance(
-            relative(corners[i, 0], origin),
-            relative(corners[i, 1], origin),
-            relative(corners[i, 2], origin),
-            d,
-        )
+        t = distance(corners[i], origin, direction)
         if np.float32(0.0) <= t <= reach:
             found[i] = t
     return found
 
 
 @jit
-def distance(v0: Vector, v1: Vector, v2: Vector, d: Vector) -> np.float32:
-    """Return the distance along d of a triangle with corners relative to the origin; ``MISS`` if missed."""
+def distance(corner: Array, origin: Array, d: Array) -> np.float32:
+    """Return the distance along d of a triangle; ``MISS`` if missed."""
+    v0, v1, v2 = minus(corner[0], origin), minus(corner[1], origin), minus(corner[2], origin)
     e0, e1, e2 = minus(v2, v0), minus(v0, v1), minus(v1, v2)
 
     # Find on which sides of the ray the edges pass.
@@ -90,13 +85,7 @@ def stable_normal(a: Vector, b: Vector, c: Vector) -> Vector:
 
 
 @jit
-def relative(point: Array, origin: Array) -> Vector:
-    """Return a point as seen from the origin."""
-    return point[0] - origin[0], point[1] - origin[1], point[2] - origin[2]
-
-
-@jit
-def minus(a: Vector, b: Vector) -> Vector:
+def minus(a: Vector | Array, b: Vector | Array) -> Vector:
     """Return a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
@@ -118,6 +107,6 @@ def cross(a: Vector, b: Vector) -> Vector:
 
 
 @jit
-def dot(a: Vector, b: Vector) -> np.float32:
+def dot(a: Vector, b: Vector | Array) -> np.float32:
     """Return a . b, summed from the last coordinate to the first, only the first product rounded."""
     return multiply_add(a[0], b[0], multiply_add(a[1], b[1], a[2] * b[2]))

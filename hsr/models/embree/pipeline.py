@@ -16,7 +16,7 @@ from Embree which of them it is. Whole maps would take the model too long.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
@@ -26,12 +26,10 @@ import numpy as np
 from hsr.algorithms.embree import Options, handed_over, rays, render
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.models.embree.float32 import MISS, distances
-from hsr.models.rounded import TESSELLATED, of_polygons, true_faces
+from hsr.models.rounded import TESSELLATED, fractions, of_polygons, true_faces
 from hsr.models.stages import Cause, Pipeline, Stage, at_samples, rerun
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import View
-
-Vector = Sequence[Fraction]
 
 FARTHEST = float(np.finfo(np.float32).max)
 """Stands for an infinite far."""
@@ -115,13 +113,11 @@ def _exact_nearest(corners: Array, face: Ints, origin: Array, direction: Array, 
     """Return the face of the nearest triangle that a ray meets; ``TIE`` if it is not the only one."""
     near_by = np.flatnonzero(_may_hit(corners.astype(np.float64), origin, direction))
     hits = [(*_exact_hit(corners[i], origin, direction), int(face[i])) for i in near_by]
-    met = [hit for hit in hits if 0 <= hit[0] <= Fraction(float(np.float32(reach)))]
+    met = sorted(hit for hit in hits if 0 <= hit[0] <= Fraction(float(np.float32(reach))))
     if not met:
         return BACKGROUND
-    nearest = min(met)[0]
-    alone = len([hit for hit in met if hit[0] == nearest]) == 1
-    on_edge = any(edge for t, edge, _ in met if t == nearest)
-    return min(met)[2] if alone and not on_edge else TIE
+    (nearest, on_edge, shown), *others = met
+    return TIE if on_edge or (others and others[0][0] == nearest) else shown
 
 
 def _may_hit(corners: Floats, origin: Array, direction: Array) -> Array:
@@ -138,26 +134,13 @@ def _may_hit(corners: Floats, origin: Array, direction: Array) -> Array:
 
 def _exact_hit(corners: Array, origin: Array, direction: Array) -> tuple[Fraction, bool]:
     """Return the distance of a triangle along a ray, and whether the ray meets its edge; -1 for a miss."""
-    o, d = _exact(origin), _exact(direction)
-    a, b, c = ([x - y for x, y in zip(_exact(corner), o, strict=True)] for corner in corners)
-    sides = [_dot(_cross(p, q), d) for p, q in ((b, c), (c, a), (a, b))]
+    d, (a, b, c) = fractions(direction), fractions(corners) - fractions(origin)
+    sides = [np.cross(p, q) @ d for p, q in ((b, c), (c, a), (a, b))]
     # The volumes that the edges span with the direction add up to the normal's part along it.
-    total = sum(sides, Fraction(0))
+    total = sum(sides)
     if total == 0 or min(sides) < 0 < max(sides):
         return Fraction(-1), False
-    return _dot(_cross(a, b), c) / total, 0 in sides
-
-
-def _exact(vector: Array) -> Vector:
-    return [Fraction(float(x)) for x in vector]
-
-
-def _cross(a: Vector, b: Vector) -> Vector:
-    return [a[k - 2] * b[k - 1] - a[k - 1] * b[k - 2] for k in range(3)]
-
-
-def _dot(a: Vector, b: Vector) -> Fraction:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return np.cross(a, b) @ c / total, 0 in sides
 
 
 PIPELINE = Pipeline(

@@ -138,9 +138,10 @@ def _clip_polygon(
             left[count], left_made[count] = clip[i], made[i]
             count += 1
 
-        # Cut an edge that crosses the plane.
+        # Cut an edge that crosses the plane, from its nearer end, or that inside.
         if (distance >= 0) != (distance_next >= 0):
-            if distance >= 0:
+            equal = abs(distance) == abs(distance_next)
+            if abs(distance) < abs(distance_next) or (equal and distance >= 0):
                 _cut(clip[i], distance, clip[j], distance_next, left[count])
             else:
                 _cut(clip[j], distance_next, clip[i], distance, left[count])
@@ -151,16 +152,11 @@ def _clip_polygon(
 
 
 @jit
-def _cut(inside: Array, d_inside: np.float32, outside: Array, d_outside: np.float32, corner: Array) -> None:
-    """Fill in where an edge meets the plane, reckoned from its end nearer to the plane."""
-    if -d_outside < d_inside:
-        t = d_outside / (d_outside - d_inside)
-        for k in range(4):
-            corner[k] = outside[k] + t * (inside[k] - outside[k])
-    else:
-        t = d_inside / (d_inside - d_outside)
-        for k in range(4):
-            corner[k] = inside[k] + t * (outside[k] - inside[k])
+def _cut(start: Array, distance: np.float32, end: Array, end_distance: np.float32, corner: Array) -> None:
+    """Fill in where an edge meets the plane, reckoned from its start."""
+    t = distance / (distance - end_distance)
+    for k in range(4):
+        corner[k] = start[k] + t * (end[k] - start[k])
 
 
 @jit

@@ -23,17 +23,15 @@ from hsr.problem.view import View
 @lru_cache(maxsize=1)
 def predicted(view: View, options: Options) -> tuple[Ints, Floats]:
     """Predict faces and depths (H, W) of the driver."""
-    prediction = driver.predict(view, driver=driver.Driver(depth=options.buffer))
-    depth = np.full(prediction.face.shape, np.inf)
-    drawn = prediction.face != BACKGROUND
-    depth[drawn] = depth_of_window(view, prediction.window[drawn], options.buffer.reversed)
-    return prediction.face, depth
+    face, window = driver.predict(view, buffer=options.buffer)
+    depth, drawn = np.full(face.shape, np.inf), face != BACKGROUND
+    depth[drawn] = depth_of_window(view, window[drawn], options.buffer.reversed)
+    return face, depth
 
 
 def _up_to(stage: Cause) -> Stage:
     def faces(view: View, options: Options, samples: Array) -> Ints:
-        face = driver.predict(view, stage, driver.Driver(depth=options.buffer)).face
-        return np.asarray(face.ravel()[samples])
+        return driver.predict(view, stage, options.buffer).face.ravel()[samples]
 
     return Stage(stage, faces)
 

@@ -12,7 +12,8 @@ import pytest
 from hsr.base.arrays import Floats, Ints
 from hsr.base.errors import UnavailableError
 from hsr.gl.depth import D24, DEPTH_BUFFERS, DepthBuffer
-from hsr.models.llvmpipe.driver import STAGES, Driver, Prediction, predict
+from hsr.models.llvmpipe import driver
+from hsr.models.llvmpipe.driver import STAGES, Prediction, predict
 from hsr.models.stages import Cause
 from hsr.problem.view import View, view
 from hsr.scene.model import Scene
@@ -42,8 +43,8 @@ def parallel(*triangles: Any, cull: str = "none", **camera: Any) -> View:
     return scene_of([np.array(triangles, dtype=np.float64)], PARALLEL | camera, (8, 8), [cull])
 
 
-def faces(seen: View, upto: Cause, **driver: Any) -> Ints:
-    return predict(seen, upto, Driver(**driver)).face
+def faces(seen: View, upto: Cause) -> Ints:
+    return predict(seen, upto).face
 
 
 def random_view(seed: int) -> View:
@@ -95,7 +96,7 @@ def assert_drawn_as_predicted(seen: View, context: Any, buffer: DepthBuffer = D2
     with Drawing(context, seen, buffer) as drawing:
         drawing.draw()
         face, depth = drawing.read()
-    model = predict(seen, driver=Driver(depth=buffer))
+    model = predict(seen, buffer=buffer)
     assert np.array_equal(model.face, face)
     drawn = face >= 0
     assert np.array_equal(depth_of_window(seen, model.window[drawn], buffer.reversed), depth[drawn])
@@ -185,9 +186,9 @@ def test_the_first_model_is_exact_on_rounded_input(seed: int) -> None:
 # ---------------------------------------------------------------- one stage at a time
 
 
-def change(seen: View, stage: Cause, **driver: Any) -> tuple[list[list[int]], Prediction]:
+def change(seen: View, stage: Cause, buffer: DepthBuffer = D24) -> tuple[list[list[int]], Prediction]:
     """Samples [row, column] whose owner a stage changes, and what is shown after it."""
-    before, after = predict(seen, Cause(stage - 1), Driver(**driver)), predict(seen, stage, Driver(**driver))
+    before, after = predict(seen, Cause(stage - 1), buffer), predict(seen, stage, buffer)
     return np.argwhere(before.face != after.face).tolist(), after
 
 
@@ -215,12 +216,15 @@ def test_clipping_moves_an_edge_off_the_samples_it_ran_through() -> None:
 
 
 @pytest.mark.parametrize(("offset", "moved"), [(2.0**-10, True), (2.0**-8, False)])
-def test_snapping_rounds_corners_to_a_grid(offset: float, moved: bool) -> None:
+def test_snapping_rounds_corners_to_a_grid(
+    offset: float, moved: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
     left = 0.5 + offset  # just right of the samples of column 4
     seen = parallel([[left, -3.0, 0.0], [3.0, 0.0, 0.0], [left, 3.0, 0.0]])
     samples, _ = change(seen, Cause.VERTEX_SNAPPING)
     assert samples == ([[row, 4] for row in range(1, 7)] if moved else [])
-    assert change(seen, Cause.VERTEX_SNAPPING, subpixel_bits=4)[0]
+    monkeypatch.setattr(driver, "SUBPIXEL_BITS", 4)
+    assert change(seen, Cause.VERTEX_SNAPPING)[0]
 
 
 def test_the_fill_rule_gives_horizontal_edges_away() -> None:
@@ -228,7 +232,6 @@ def test_the_fill_rule_gives_horizontal_edges_away() -> None:
     samples, after = change(seen, Cause.FILL_RULE)
     assert samples == [[5, 1], [5, 2], [5, 3], [5, 4]]
     assert (after.face[5, 1:5] == 0).all()
-    assert change(seen, Cause.FILL_RULE, bottom_left=False)[0] == []
 
 
 def test_depth_arithmetic_does_not_draw_what_lies_on_the_far_plane() -> None:
@@ -241,7 +244,7 @@ def test_depth_arithmetic_does_not_draw_what_lies_on_the_far_plane() -> None:
 def test_the_depth_format_makes_ties_of_what_is_closer_than_its_step() -> None:
     seen = parallel(*square(9.5), *square(9.5 + 2.0**-20))  # 1 / 2**24 of the depth range, near 0
     assert set(faces(seen, Cause.DEPTH_ARITHMETIC).ravel()) == {2, 3}
-    samples, after = change(seen, Cause.DEPTH_FORMAT, depth=DEPTH_BUFFERS["d16"])
+    samples, after = change(seen, Cause.DEPTH_FORMAT, DEPTH_BUFFERS["d16"])
     assert len(samples) == 64
     assert set(after.face.ravel()) == {0, 1}
     assert np.array_equal(after.window * 65535, np.full((8, 8), 2048.0))
@@ -258,11 +261,12 @@ def test_culling_by_the_side_a_triangle_shows(upto: Cause) -> None:
     assert faces(parallel(front[::-1], front, cull="none"), upto).max() == 0
 
 
-def test_a_clipped_batch_is_culled_before_it_is_snapped_too() -> None:
+def test_a_clipped_batch_is_culled_before_it_is_snapped_too(monkeypatch: pytest.MonkeyPatch) -> None:
     lower_half = [[4, 4], [5, 4], [6, 4]]
     for others, batch, expected in (([], 341, lower_half), ([CROSSING], 1, lower_half), ([CROSSING], 2, [])):
+        monkeypatch.setattr(driver, "BATCH", batch)
         seen = parallel(TURNED, *others, cull="back")
-        assert np.argwhere(faces(seen, Cause.DEPTH_FORMAT, batch=batch) == 0).tolist() == expected
+        assert np.argwhere(faces(seen, Cause.DEPTH_FORMAT) == 0).tolist() == expected
 
 
 @pytest.mark.parametrize("upto", STAGES)
