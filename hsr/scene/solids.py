@@ -165,6 +165,13 @@ def _overlapping_pairs(corners: Floats) -> Iterator[tuple[Array, Array]]:
         yield order[first[overlap]], order[second[overlap]]
 
 
+# Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates,
+# Discrete & Computational Geometry 18 (1997), bound A of orient3d, in units of 2^-53.
+ERROR = (7.0 + 56.0 * 2.0**-53) * 2.0**-53
+# More than the products of numbers up to 2 can lose by underflow.
+UNDERFLOW = 2.0**-1000
+
+
 class _Space(NamedTuple):
     """Points with exact orientation tests.
 
@@ -176,12 +183,6 @@ class _Space(NamedTuple):
         The same, times a power of two, as integers.
     """
 
-    # Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates,
-    # Discrete & Computational Geometry 18 (1997), bound A of orient3d, in units of 2^-53.
-    ERROR = (7.0 + 56.0 * 2.0**-53) * 2.0**-53
-    # More than the products of numbers up to 2 can lose by underflow.
-    UNDERFLOW = 2.0**-1000
-
     points: Floats
     exact: Array
 
@@ -191,7 +192,7 @@ class _Space(NamedTuple):
         determinant = _determinant(p, q, r)
         permanent = _determinant(np.abs(p), np.abs(q), np.abs(r), minus=1)
         sign = np.sign(determinant).astype(np.int8)
-        doubtful = np.abs(determinant) <= self.ERROR * permanent + self.UNDERFLOW
+        doubtful = np.abs(determinant) <= ERROR * permanent + UNDERFLOW
         doubtful &= (a != d) & (b != d) & (c != d)
         a, b, c, d = (k[doubtful] for k in (a, b, c, d))
         origin = self.exact[d]
