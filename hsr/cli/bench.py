@@ -16,7 +16,6 @@ from hsr.cli import common as cli
 
 if TYPE_CHECKING:
     from hsr.lab.speed import Case
-    from hsr.lab.tables import Table
 
 SCENES = ("teapot", "menger", "solids")
 """The built-in scenes that are measured if none is named: a mesh, a deep one, one with curved shapes."""
@@ -126,16 +125,12 @@ def _measure(
         print(found.to_json(), end="")
     else:
         for table in tables(found):
-            _print_table(table)
+            cli.print_table(*table)
+            cli.out.print()
         cli.say(*sentences(growth(found)))
         notes += [conditions(found), *[BUSY] * ((found.foreign_load or 0.0) > NOTABLE_LOAD)]
     if not quiet:
         cli.say(*notes, to=cli.err)
-
-
-def _print_table(table: Table) -> None:
-    cli.print_table(*table)
-    cli.out.print()
 
 
 # ---------------------------------------------------------------- compare
@@ -174,7 +169,8 @@ def compare(
     if as_json:
         cli.print_json({"hsr": 1, "limit": limit, "changes": [asdict(change) for change in found]})
     else:
-        _print_table(table)
+        cli.print_table(*table)
+        cli.out.print()
     if not quiet:
         cli.say(*regression.warnings(a, b), to=cli.err)
     failing = regression.FAILURES if fail is None else (*regression.FAILURES, regression.SLOWER)

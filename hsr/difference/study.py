@@ -21,6 +21,9 @@ from hsr.scene.model import Scene
 COUNTED = ("seconds", "work", "notes")
 """What the JSON form tells of each map."""
 
+Progress = Callable[[str], None]
+"""Called with what is done next, before each step of long work."""
+
 PATIENCE = 2**29
 """Tests of a face at a sample that a study waits for unasked: a few seconds on two cores."""
 
@@ -102,7 +105,7 @@ def study(
     *,
     name: str = "",
     patient: bool = False,
-    progress: Callable[[str], None] | None = None,
+    progress: Progress | None = None,
 ) -> Study:
     """Run methods on one view of a scene and compare their maps with that of the reference.
 

@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -55,15 +56,10 @@ def machine() -> Machine:
     cpu, threads = _cpu(), int(thread_count())
     known = {package: version_of(package) for package in PACKAGES}
     versions = {"python": platform.python_version()} | {name: told for name, told in known.items() if told}
-    return Machine(
-        name=f"{re.sub('[^a-z0-9]+', '-', cpu.lower()).strip('-')}-{threads}",
-        cpu=cpu,
-        processors=os.cpu_count() or 1,
-        threads=threads,
-        system=platform.platform(),
-        versions=versions,
-        environment={name: os.environ[name] for name in VARIABLES if name in os.environ},
-    )
+    environment = {name: os.environ[name] for name in VARIABLES if name in os.environ}
+    name = f"{re.sub('[^a-z0-9]+', '-', cpu.lower()).strip('-')}-{threads}"
+    on: dict[str, Any] = {"cpu": cpu, "processors": os.cpu_count() or 1, "threads": threads}
+    return Machine(name=name, system=platform.platform(), versions=versions, environment=environment, **on)
 
 
 def version_of(package: str) -> str | None:

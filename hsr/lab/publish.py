@@ -95,10 +95,8 @@ def table(rows: Sequence[Row]) -> Table:
             return ("", row.method, *figures, row.absent, "")
         return (str(len(better[row.id]) + 1), row.method, *figures, why(row), _named(better[row.id]))
 
-    ran = [row for row in rows if not row.absent]
-    ran.sort(key=lambda row: (len(better[row.id]), SPEED.of(row)))
-    absent = [row for row in rows if row.absent]
-    return Table(head, [cells(row) for row in (*ran, *absent)], ("rank", *titles), case_title(rows))
+    order = sorted(rows, key=lambda row: (row.absent != "", len(better.get(row.id, ())), SPEED.of(row) or 0))
+    return Table(head, list(map(cells, order)), ("rank", *titles), case_title(rows))
 
 
 def tables(results: Results) -> list[Table]:

@@ -22,6 +22,7 @@ from hsr.algorithms.registry import Method, default_methods, method_named, rende
 from hsr.base.arrays import Floats
 from hsr.difference.cause import causes
 from hsr.difference.classes import SampleClass, compare
+from hsr.difference.study import Progress
 from hsr.lab.machine import clocks, commit, equal_threads, foreign_load, machine, peak_memory, yardstick
 from hsr.lab.results import FEWEST, DepthOff, Results, Row, Verdict
 from hsr.lab.statistics import timing
@@ -98,7 +99,7 @@ def measure(
     *,
     explain: bool = True,
     patience: float = math.inf,
-    progress: Callable[[str], None] | None = None,
+    progress: Progress = lambda _: None,
 ) -> Results:
     """Judge and time methods on cases.
 
@@ -117,7 +118,7 @@ def measure(
         Whether to find the causes of wrong samples.
     patience : float
         How many tests of a face at a sample to wait for: exhaustive methods sit out cases that need more.
-    progress : callable, optional
+    progress : callable
         Called before every step with its name; a case has ``repeat + 1``.
 
     Returns
@@ -134,13 +135,13 @@ def measure(
     turns, rows = max(repeat, FEWEST), list[Row]()
     for case in cases:
         contest = [Contestant(method, case, _reason_to_sit_out(method, case, patience)) for method in chosen]
-        rows += _measure_case(case, contest, turns, explain, progress or (lambda _: None))
+        rows += _measure_case(case, contest, turns, explain, progress)
     made = {"date": datetime.now(UTC).isoformat(timespec="seconds"), "commit": commit(), "machine": machine()}
     return Results(hsr=1, kind="bench", repeat=turns, rows=tuple(rows), **made)
 
 
 def _measure_case(
-    case: Case, contest: Sequence[Contestant], repeat: int, explain: bool, step: Callable[[str], None]
+    case: Case, contest: Sequence[Contestant], repeat: int, explain: bool, step: Progress
 ) -> Iterator[Row]:
     label = f"{case.scene} {case.view.width}x{case.view.height}"
     step(f"{label}: judging")

@@ -62,9 +62,8 @@ def ratio_band(before: Sequence[float], after: Sequence[float]) -> tuple[float, 
     return _interval((np.asarray(before), np.asarray(after)), _ratio_of_medians, BAND)
 
 
-def _ratio_of_medians(before: Array, after: Array, axis: int = -1) -> Array:
-    ratio: Array = np.median(after, axis=axis) / np.median(before, axis=axis)
-    return ratio
+def _ratio_of_medians(before: Array, after: Array, axis: int) -> Any:
+    return np.median(after, axis=axis) / np.median(before, axis=axis)
 
 
 def _interval(data: tuple[Array, ...], statistic: Any, confidence: float) -> tuple[float, float]:

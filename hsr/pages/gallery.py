@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from io import BytesIO
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from hsr.base.arrays import Pixels
 from hsr.base.errors import HsrError
 from hsr.base.files import write_whole
 from hsr.difference.classes import OTHER_OWNER, compare
-from hsr.difference.study import Study, study
+from hsr.difference.study import Progress, Study, study
 from hsr.models.stages import Cause
 from hsr.pages.frame import page, style
 from hsr.pages.shading import shade
@@ -39,7 +39,7 @@ def write_gallery(
     folder: Path,
     size: tuple[int, int],
     turning: Sequence[str],
-    progress: Callable[[str], None],
+    progress: Progress,
 ) -> None:
     """Write ``index.html``, a picture of every scene, those that turn, and ``overview.png`` of all.
 

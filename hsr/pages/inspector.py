@@ -13,7 +13,7 @@ from urllib.parse import urlencode
 
 import numpy as np
 
-from hsr.base.arrays import Array, Floats, Ints
+from hsr.base.arrays import Array, Ints
 from hsr.difference.classes import SampleClass
 from hsr.difference.history import MISSED
 from hsr.difference.study import Study
@@ -201,13 +201,9 @@ class _Whole:
         """Return index and depth of the numbered samples (k,) of a map."""
         index = np.searchsorted(self.faces, map.face.ravel()[samples])
         narrow = np.uint16 if len(self.faces) <= 2**16 else np.uint32
-        return index.astype(narrow), _levels(map.depth.ravel()[samples], self.span)
-
-
-def _levels(depth: Floats, span: tuple[float, float]) -> Array:
-    """Share out the depths between the nearest and the farthest over the levels."""
-    share = depth_shares(depth, span)
-    return np.where(np.isnan(share), EMPTY, np.rint(FARTHEST * share)).astype(np.uint16)
+        share = depth_shares(map.depth.ravel()[samples], self.span)
+        level = np.where(np.isnan(share), EMPTY, np.rint(FARTHEST * share)).astype(np.uint16)
+        return index.astype(narrow), level
 
 
 def _drawing(view: View | None, base: _Whole, told: Ints) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import platform
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -16,7 +16,7 @@ from markupsafe import Markup
 from hsr.base.errors import HsrError
 from hsr.base.files import write_whole
 from hsr.difference.classes import DIFFERENT, SampleClass
-from hsr.difference.study import Study, causes_of
+from hsr.difference.study import Progress, Study, causes_of
 from hsr.models.stages import Cause
 from hsr.pages.frame import page, style
 from hsr.pages.inspector import fragment, inspected, inspection
@@ -36,7 +36,7 @@ def write_report(
     studies: Sequence[Study],
     path: str | Path,
     title: str = "Which surface does the eye see?",
-    progress: Callable[[str], None] = lambda _: None,
+    progress: Progress = lambda _: None,
 ) -> None:
     """Write a report on several studies as one HTML file that needs no network.
 

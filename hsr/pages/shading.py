@@ -47,8 +47,7 @@ def shade(map: VisibilityMap, view: View) -> Pixels:
     """
     if map.face.shape != (view.height, view.width):
         raise HsrError(f"cannot shade a {map.width}x{map.height} map with a {view.width}x{view.height} view")
-    picture = np.empty((view.height, view.width, 3), dtype=np.float64)
-    picture[:] = view.background
+    picture = np.full((view.height, view.width, 3), view.background, dtype=np.float64)
     covered = map.face != BACKGROUND
     point, sight, normal, colour = _surface(map, view, covered)
     normal[np.vecdot(normal, sight) > 0.0] *= -1.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
 from typing import Any
@@ -15,6 +15,7 @@ from hsr.algorithms.registry import method_named
 from hsr.base.arrays import Bools
 from hsr.base.errors import MethodError, UnavailableError
 from hsr.difference.cause import causes
+from hsr.difference.study import Progress
 from hsr.lab.stability.family import QUICK_SIDE, SIDE, Family, Trial, Variant
 from hsr.models.stages import Cause
 from hsr.problem.map import VisibilityMap
@@ -160,10 +161,7 @@ class Result:
 
 
 def judge(
-    family: Family,
-    quick: bool = False,
-    asked: Sequence[str] = (),
-    progress: Callable[[str], None] = lambda _: None,
+    family: Family, quick: bool = False, asked: Sequence[str] = (), progress: Progress = lambda _: None
 ) -> Result:
     """Run a family.
 
