@@ -1,7 +1,5 @@
 """The command ``hsr scene``: scene files checked and described."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Annotated
@@ -13,11 +11,13 @@ from hsr.base.errors import SceneError
 from hsr.base.files import write_whole
 from hsr.cli import common as cli
 
+Files = Annotated[list[Path], Argument(help="Scene or mesh files.")]
+
 scene_app = Typer(help="Check and describe scene files.", no_args_is_help=True)
 
 
 @scene_app.command()
-def check(files: cli.SceneFiles, as_json: cli.Json = False, quiet: cli.Quiet = False) -> None:
+def check(files: Files, as_json: cli.Json = False, quiet: cli.Quiet = False) -> None:
     """Check scene files; all errors of all files at once, exit 2 if there are any."""
     problems: dict[str, list[str]] = {}
     for file in files:

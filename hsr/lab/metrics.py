@@ -1,7 +1,5 @@
 """Every figure of a benchmark, declared once: tables, charts, CSV and comparisons read them from here."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

@@ -11,8 +11,6 @@ method (Foley, van Dam et al., *Computer Graphics: Principles and Practice*, cha
 The constants are fitted; how well the law holds is seen in the chart.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

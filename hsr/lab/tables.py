@@ -1,7 +1,5 @@
 """A table as it is written down: as Markdown for people, as CSV for programs."""
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Collection, Sequence
