@@ -32,7 +32,7 @@ from hsr.algorithms.prepare.ray_tiles import clip_matrices
 from hsr.algorithms.raycast import Options, cast_by_list, render, screen_matrices
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.models.rounded import seen_along_third, true_faces
-from hsr.models.stages import Cause, Stage, at_samples, ending, rerun
+from hsr.models.stages import Cause, at_samples, ending, named, rerun
 from hsr.problem.geometry import as_float32
 from hsr.problem.view import Placement, View
 from hsr.scene.shapes import Kind, Shape
@@ -100,10 +100,4 @@ def traversal(view: View, options: Options, samples: Array) -> Ints:
     return np.where(cast_by_list(view, options, samples) == own, transform(view, options, samples), own)
 
 
-PIPELINE = ending(
-    RENDERED,
-    Cause.INTERSECTOR,
-    Stage(Cause.INPUT_ROUNDING, input_rounding),
-    Stage(Cause.TRANSFORM, transform),
-    Stage(Cause.TRAVERSAL, traversal),
-)
+PIPELINE = ending(RENDERED, Cause.INTERSECTOR, *named(input_rounding, transform, traversal))

@@ -46,7 +46,7 @@ from hsr.models.rounded import (
     seen_from_front,
     true_faces,
 )
-from hsr.models.stages import Cause, Stage, ending, rerun
+from hsr.models.stages import Cause, ending, named, rerun
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import View, WorldPolygons
 
@@ -253,14 +253,5 @@ def depth_arithmetic(view: View, options: Options, samples: Array) -> Ints:
     return np.asarray(face.ravel()[samples])
 
 
-PIPELINE = ending(
-    rerun(render),
-    Cause.DEPTH_FORMAT,
-    TESSELLATED,
-    Stage(Cause.INPUT_ROUNDING, input_rounding),
-    Stage(Cause.TRANSFORM, transform),
-    Stage(Cause.CLIPPING, clipping),
-    Stage(Cause.VERTEX_SNAPPING, vertex_snapping),
-    Stage(Cause.FILL_RULE, fill_rule),
-    Stage(Cause.DEPTH_ARITHMETIC, depth_arithmetic),
-)
+MODELS = named(input_rounding, transform, clipping, vertex_snapping, fill_rule, depth_arithmetic)
+PIPELINE = ending(rerun(render), Cause.DEPTH_FORMAT, TESSELLATED, *MODELS)

@@ -39,6 +39,10 @@ Whole = Callable[[View, Any], tuple[Ints, Floats]]
 """A model of whole maps: from the view and the method's options to face and depth (H, W)."""
 
 
+Model = Callable[[View, Any, Array], Ints]
+"""From the view, the method's options and samples (n,), numbered ``row * W + column``, to face ids (n,)."""
+
+
 class Stage(NamedTuple):
     """One stage of a pipeline, and the model that works like the method up to and with it.
 
@@ -47,12 +51,11 @@ class Stage(NamedTuple):
     cause : Cause
         What a sample's error is put down to if this stage brings it in.
     faces : callable
-        From the view, the method's options and samples (n,), numbered ``row * W + column``, to
-        the face ids (n,) int32 that the model shows there.
+        The model, which tells the face ids that it shows at samples.
     """
 
     cause: Cause
-    faces: Callable[[View, Any, Array], Ints]
+    faces: Model
 
 
 class Pipeline(NamedTuple):
@@ -82,6 +85,11 @@ def rerun(render: Callable[[View, Any], VisibilityMap]) -> Whole:
         return again.face, again.depth
 
     return rendered
+
+
+def named(*models: Model) -> tuple[Stage, ...]:
+    """Return the stages of models that are called as their causes are."""
+    return tuple(Stage(Cause[model.__name__.upper()], model) for model in models)
 
 
 def ending(whole: Whole, cause: Cause, *before: Stage) -> Pipeline:

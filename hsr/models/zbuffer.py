@@ -8,7 +8,8 @@ format are one stage: the method itself, run once more.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from functools import wraps
 
 import numpy as np
 
@@ -18,18 +19,16 @@ from hsr.base.arrays import Array, Ints
 from hsr.kernels.projection import clip_rows
 from hsr.models import scanline as scanned
 from hsr.models.rounded import TESSELLATED
-from hsr.models.stages import Cause, Stage, ending, rerun
+from hsr.models.stages import Cause, Model, ending, named, rerun
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import View
 
 FLOAT64 = scanline.Options()
 
-Model = Callable[[View, scanline.Options, Array], Ints]
 
-
-def _in_float64(model: Model) -> Callable[[View, Options, Array], Ints]:
+def _in_float64(model: Model) -> Model:
     """Make a model of scan conversion one of this method, which works as it does in float64."""
-    return lambda view, _, samples: model(view, FLOAT64, samples)
+    return wraps(model)(lambda view, _, samples: model(view, FLOAT64, samples))
 
 
 def fill_rule(view: View, options: Options, samples: Array) -> Ints:  # noqa: ARG001
@@ -52,11 +51,5 @@ def _drawn(view: View, layers: list[list[int]]) -> Iterator[Ints]:
         yield answer[0]
 
 
-PIPELINE = ending(
-    rerun(render),
-    Cause.DEPTH_FORMAT,
-    TESSELLATED,
-    Stage(Cause.INPUT_ROUNDING, _in_float64(scanned.input_rounding)),
-    Stage(Cause.TRANSFORM, _in_float64(scanned.transform)),
-    Stage(Cause.FILL_RULE, fill_rule),
-)
+MODELS = named(_in_float64(scanned.input_rounding), _in_float64(scanned.transform), fill_rule)
+PIPELINE = ending(rerun(render), Cause.DEPTH_FORMAT, TESSELLATED, *MODELS)

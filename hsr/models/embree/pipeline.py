@@ -27,7 +27,7 @@ from hsr.algorithms.embree import Options, handed_over, rays, render
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.models.embree.float32 import MISS, distances
 from hsr.models.rounded import TESSELLATED, fractions, of_polygons, true_faces
-from hsr.models.stages import Cause, Pipeline, Stage, at_samples, rerun
+from hsr.models.stages import Pipeline, at_samples, named, rerun
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import View
 
@@ -95,9 +95,8 @@ def _nearest(t: Array, face: Ints, shown: int) -> int:
 
 @lru_cache(maxsize=1)
 def _all_rays(view: View) -> tuple[Array, Array]:
-    bands = [(origins, directions) for _, origins, directions in rays(view)]
-    origins, directions = (np.concatenate(parts) for parts in zip(*bands, strict=True))
-    return origins, directions
+    _, origins, directions = zip(*rays(view), strict=True)
+    return np.concatenate(origins), np.concatenate(directions)
 
 
 def _rays_of(view: View, samples: Array) -> Iterator[tuple[Array, Array]]:
@@ -128,8 +127,7 @@ def _may_hit(corners: Floats, origin: Array, direction: Array) -> Array:
     side = np.cross(p - q, p + q) @ d
     lengths = np.linalg.norm(p - q, axis=2) * np.linalg.norm(p + q, axis=2) * np.linalg.norm(d)
     slack = ROUNDING * lengths
-    may_hit: Array = (side >= -slack).all(axis=1) | (side <= slack).all(axis=1)
-    return may_hit
+    return np.asarray((side >= -slack).all(axis=1) | (side <= slack).all(axis=1))
 
 
 def _exact_hit(corners: Array, origin: Array, direction: Array) -> tuple[Fraction, bool]:
@@ -143,12 +141,4 @@ def _exact_hit(corners: Array, origin: Array, direction: Array) -> tuple[Fractio
     return np.cross(a, b) @ c / total, 0 in sides
 
 
-PIPELINE = Pipeline(
-    (
-        TESSELLATED,
-        Stage(Cause.INPUT_ROUNDING, input_rounding),
-        Stage(Cause.TRANSFORM, transform),
-        Stage(Cause.INTERSECTOR, intersector),
-    ),
-    None,
-)
+PIPELINE = Pipeline((TESSELLATED, *named(input_rounding, transform, intersector)), None)
