@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from io import BytesIO
 from operator import itemgetter
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -32,8 +32,7 @@ TOLD: dict[str, type] = {"method": str, "work": dict, "notes": dict, "manifest":
 """What the file tells beside the arrays: fields of :class:`VisibilityMap`, and their types."""
 
 
-@dataclass(frozen=True, eq=False)
-class Admissible:
+class Admissible(NamedTuple):
     """The tied samples of a view, and all faces that may own each.
 
     A tie is a sample where the limits of the answer from different directions differ, or where
@@ -192,7 +191,7 @@ class VisibilityMap:
         """Return the arrays of the file by name."""
         arrays: dict[str, Array] = {"face": self.face, "depth": self.depth}
         if self.admissible is not None:
-            arrays |= {f"tie_{name}": array for name, array in vars(self.admissible).items()}
+            arrays |= {f"tie_{name}": array for name, array in self.admissible._asdict().items()}
         return arrays
 
 

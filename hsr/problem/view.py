@@ -13,7 +13,7 @@ import operator
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -42,8 +42,7 @@ MAX_SIDE = 16384
 """Largest image width and height: what OpenGL drivers take."""
 
 
-@dataclass(frozen=True, eq=False)
-class Rays:
+class Rays(NamedTuple):
     """The ray of every sample, affine in its normalised device coordinates.
 
     Ray (x, y) starts at ``origin @ (1, x, y)`` and runs along ``direction @ (1, x, y)``; the
