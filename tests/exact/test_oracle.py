@@ -60,7 +60,7 @@ def test_coinciding_faces_are_all_admissible_and_the_lowest_owns() -> None:
     answer = truth(seen([{"shape": "square"}, {"shape": "square"}]))
     assert answer.face[1, 1] == 0
     assert ties(answer)[1, 1] == {0, 1}
-    assert answer.uncertain == 4
+    assert answer.work["uncertain"] == 4
 
 
 def test_crossing_faces_tie_on_the_line_they_share() -> None:
