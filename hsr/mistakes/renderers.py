@@ -127,7 +127,7 @@ class Buffer:
         return VisibilityMap(face, depth, name)
 
     def _triangles(self, view: View) -> Iterator[tuple[Floats, int, Placement]]:
-        """Yield corners (3, 3), face and object; corners in pixels from the middle, y up, and depth."""
+        """Return corners (3, 3), face and object; corners in pixels from the middle, y up, and depth."""
         rows = clip_rows(view.clip_from_world, view.depth_row).astype(self.real)
         vertices = view.polygons.vertices.astype(self.real)
         clip = (vertices @ rows[:, :3].T + rows[:, 3]).astype(np.float64)
@@ -139,11 +139,9 @@ class Buffer:
         if self.grid:
             from_upper_left = _from_upper_left(view, clip)
             clip[:, :2] = (np.trunc(from_upper_left * self.grid) / self.grid - half) * [1.0, -1.0]
-        things = view.object_of(view.triangle_face)
-        for corners, face, thing in zip(
-            clip[view.polygons.triangle_vertex], view.triangle_face, things, strict=True
-        ):
-            yield corners, int(face), view.placements[thing]
+        corners, faces = clip[view.polygons.triangle_vertex], view.triangle_face
+        things = (view.placements[k] for k in view.object_of(faces))
+        return zip(corners, faces.tolist(), things, strict=True)
 
     def _box(self, view: View, corners: Floats) -> Box:
         """Return what holds all samples of a triangle, and no less than the reach of a wrong test."""

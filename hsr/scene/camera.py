@@ -15,7 +15,7 @@ import numpy as np
 
 from hsr.base.arrays import Floats
 from hsr.base.errors import ViewError
-from hsr.scene.model import Camera, Orthographic, Perspective, exact_determinant, unit
+from hsr.scene.model import Camera, MatrixCamera, Orthographic, Perspective, exact_determinant, unit
 
 OBLIQUE = 2.0**-22
 """How far a z row may lean from the w row, relative to its largest entry.
@@ -94,10 +94,8 @@ def named_projection(camera: Camera, aspect: float) -> Projection:
 
 
 def _projection(camera: Camera, aspect: float) -> Projection:
-    if isinstance(camera, Perspective):
-        return _perspective(camera, aspect)
-    if isinstance(camera, Orthographic):
-        return _orthographic(camera, aspect)
+    if not isinstance(camera, MatrixCamera):
+        return _placed(camera, aspect)
     clip = np.array(camera.matrix)
     return _perspective_matrix(clip) if clip[3, :3].any() else _parallel_matrix(clip)
 
@@ -128,27 +126,18 @@ def _camera_from_world(camera: Perspective | Orthographic) -> Floats:
     return np.block([[axes, -(axes @ eye)[:, None]], [np.zeros((1, 3)), np.ones((1, 1))]]) + 0.0
 
 
-def _perspective(camera: Perspective, aspect: float) -> Projection:
+def _placed(camera: Perspective | Orthographic, aspect: float) -> Projection:
     pose = _camera_from_world(camera)
-    tan_x, tan_y = half_tangents(camera, aspect)
-    near, far = camera.near, math.inf if camera.far is None else camera.far
-    depth_row = -pose[2]
-    ratio = near / far
-    z_scale, z_offset = (1.0 + ratio) / (1.0 - ratio), -2.0 * near / (1.0 - ratio)
-    z_row = z_scale * depth_row + [0.0, 0.0, 0.0, z_offset]
-    clip_from_world = np.stack([pose[0] / tan_x, pose[1] / tan_y, z_row, depth_row])
-    return Projection(clip_from_world, depth_row, near, far)
-
-
-def _orthographic(camera: Orthographic, aspect: float) -> Projection:
-    pose = _camera_from_world(camera)
-    near, far = camera.near, camera.far
-    depth_row = -pose[2]
-    half = camera.height / 2.0
-    z_row = (2.0 * depth_row - [0.0, 0.0, 0.0, far + near]) / (far - near)
-    w_row = np.array([0.0, 0.0, 0.0, 1.0])
-    clip_from_world = np.stack([pose[0] / (half * aspect), pose[1] / half, z_row, w_row])
-    return Projection(clip_from_world, depth_row, near, far)
+    depth_row, near, far = -pose[2], camera.near, math.inf if camera.far is None else camera.far
+    if isinstance(camera, Perspective):
+        (half_x, half_y), ratio = half_tangents(camera, aspect), near / far
+        z_scale, z_offset = (1.0 + ratio) / (1.0 - ratio), -2.0 * near / (1.0 - ratio)
+        z_row, w_row = z_scale * depth_row + [0.0, 0.0, 0.0, z_offset], depth_row
+    else:
+        half_x, half_y = camera.height / 2.0 * aspect, camera.height / 2.0
+        z_row = (2.0 * depth_row - [0.0, 0.0, 0.0, far + near]) / (far - near)
+        w_row = np.array([0.0, 0.0, 0.0, 1.0])
+    return Projection(np.stack([pose[0] / half_x, pose[1] / half_y, z_row, w_row]), depth_row, near, far)
 
 
 # ---------------------------------------------------------------- matrices

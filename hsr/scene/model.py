@@ -56,7 +56,7 @@ def _thrice(value: Any) -> Any:
 
 
 NUMBER: dict[str, Any] = {"type": "number"}
-THREE_NUMBERS: dict[str, Any] = {"type": "array", "items": NUMBER, "minItems": 3, "maxItems": 3}
+ONE_OR_THREE = {"anyOf": [NUMBER, {"type": "array", "items": NUMBER, "minItems": 3, "maxItems": 3}]}
 
 
 def _that(holds: Callable[[Any], object], otherwise: str) -> AfterValidator:
@@ -84,12 +84,8 @@ Entry = TypeVar("Entry")
 List = Annotated[tuple[Entry, ...], BeforeValidator(_as_tuple)]
 Vector = Annotated[tuple[float, float, float], _exactly(3)]
 Direction = Annotated[Vector, _that(any, "a direction of length 0 points nowhere")]
-Scale = Annotated[
-    Vector,
-    BeforeValidator(_thrice),
-    _that(all, "a scale of 0 makes the transform singular"),
-    WithJsonSchema({"anyOf": [NUMBER, THREE_NUMBERS]}),
-]
+Regular = _that(all, "a scale of 0 makes the transform singular")
+Scale = Annotated[Vector, BeforeValidator(_thrice), Regular, WithJsonSchema(ONE_OR_THREE)]
 Row = Annotated[tuple[float, float, float, float], _exactly(4)]
 Matrix = Annotated[tuple[Row, Row, Row, Row], _exactly(4, "rows")]
 Invertible = Annotated[Matrix, _that(exact_determinant, "the matrix is singular: it flattens the world")]

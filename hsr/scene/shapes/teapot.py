@@ -119,8 +119,7 @@ def _turned(curve: Curve) -> Floats:
 def _bent(curves: Curve) -> Floats:
     """Span a tube between two curves: two patches, mirror images in z = 0, for every piece."""
     x0, y0, x1, y1, width = _pieces(curves)
-    x = np.stack([x0, x0, x1, x1], axis=2)
-    y = np.stack([y0, y0, y1, y1], axis=2)
+    x, y = (np.stack([one, one, other, other], axis=2) for one, other in ((x0, x1), (y0, y1)))
     z = np.stack([0.0 * width, width, width, 0.0 * width], axis=2)
     front = np.stack([x, y, z], axis=3)
     back = np.stack([x, y, -z], axis=3)[:, :, ::-1]

@@ -14,12 +14,7 @@ from hsr.lab.stability.family import GROUPS, Family
 def families() -> dict[str, Family]:
     """Return all families by name, in the order of their groups."""
     modules = [import_module(f"{__name__}.{found.name}") for found in pkgutil.iter_modules(__path__)]
-    found = {
-        thing.name: thing
-        for module in modules
-        for thing in vars(module).values()
-        if isinstance(thing, Family)
-    }
+    found = {it.name: it for module in modules for it in vars(module).values() if isinstance(it, Family)}
     groups = list(GROUPS)
     return dict(sorted(found.items(), key=lambda item: (groups.index(item[1].group), item[0])))
 
@@ -32,7 +27,6 @@ def family_named(name: str) -> Family:
     HsrError
         If no family has that name.
     """
-    try:
-        return families()[name]
-    except KeyError:
-        raise HsrError(f"no family is named {name!r}; there are {', '.join(families())}") from None
+    if name not in families():
+        raise HsrError(f"no family is named {name!r}; there are {', '.join(families())}")
+    return families()[name]

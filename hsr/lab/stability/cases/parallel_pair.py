@@ -87,7 +87,7 @@ D16, D24 = of(theory.integers, 16), of(theory.integers, 24)
 WINDOW, REVERSED = of(theory.float_window), of(theory.float_reversed)
 THROUGH_NDC = of(theory.reversed_through_ndc)
 HALF = of(theory.float_reversed, mantissa=10, least=-24)
-FOUR_BITS = of(theory.float_reversed, mantissa=12, least=-18)
+FOUR = of(theory.float_reversed, mantissa=12, least=-18)
 
 
 @hard_case("depth", "distance from the eye, in units of the near distance", octaves(0, 13))
@@ -110,12 +110,7 @@ FOUR_BITS = of(theory.float_reversed, mantissa=12, least=-18)
     plain("D32F reversed in [-1, 1]", through_ndc, "2^-25 d^2 / near", THROUGH_NDC),
     plain("log, 16 bits", levels(16, logarithm), "q d ln(far / near)", of(theory.logarithmic, 16)),
     plain("half float reversed", minifloat(5, 10), "2^-10 d at most, then 2^-24 d^2 / near", HALF),
-    plain(
-        "16 bits, 4 of them exponent",
-        minifloat(4, 12),
-        "2^-12 d at most, then 2^-18 d^2 / near",
-        FOUR_BITS,
-    ),
+    plain("16 bits, 4 of them exponent", minifloat(4, 12), "2^-12 d at most, then 2^-18 d^2 / near", FOUR),
     plain("ray t, float32", distance(np.float32), "2^-23 d at most", spacing),
     Variant("scanline-direct", None, "float64 resolves 2^-53 d^2 / near: less than any pair is apart"),
     buffer("ray t, float64", None, "2^-52 d: less than any pair is apart", stored=distance(np.float64)),

@@ -16,8 +16,8 @@ Soup = tuple[Floats, Ints]
 """Vertices (V, 3) and triangles (n, 3)."""
 
 COUNT = 24
-SHIFT = (3, -2)
-"""Pixels to the right, and up."""
+RIGHT, UP = 3, -2
+"""By how many pixels the soup is shifted."""
 
 
 def soup(side: int) -> Soup:
@@ -44,10 +44,7 @@ def unreversed(face: Array) -> Array:
 CHANGES: tuple[tuple[Callable[[Floats, Ints], Soup], Callable[[Array], Array]], ...] = (
     (lambda v, t: (v, np.roll(t, 1, axis=1)), lambda face: face),
     (lambda v, t: (v, t[::-1]), unreversed),
-    (
-        lambda v, t: (v + np.array([*SHIFT, 0.0]), t),
-        lambda face: np.roll(face, (SHIFT[1], -SHIFT[0]), axis=(0, 1)),
-    ),
+    (lambda v, t: (np.add(v, [RIGHT, UP, 0.0]), t), lambda face: np.roll(face, (UP, -RIGHT), axis=(0, 1))),
     (lambda v, t: (v * [-1.0, 1.0, 1.0], t), lambda face: face[:, ::-1]),
     (lambda v, t: (v[:, [1, 0, 2]], t), lambda face: face[::-1, ::-1].T),
     (lambda v, t: (v * [1.0, 1.0, 0.5], t), lambda face: face),
