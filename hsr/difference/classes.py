@@ -437,5 +437,4 @@ def _depth_error(gap: Floats, samples: Array, width: int) -> DepthError:
     if not len(gap):
         return DepthError()
     worst, rms = int(gap.argmax()), math.sqrt(float(np.square(gap).mean()))
-    where = divmod(int(samples[worst]), width)
-    return DepthError(len(gap), float(gap[worst]), float(gap.mean()), rms, where)
+    return DepthError(len(gap), float(gap[worst]), float(gap.mean()), rms, divmod(int(samples[worst]), width))

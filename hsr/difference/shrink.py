@@ -23,7 +23,6 @@ from hsr.problem.map import BACKGROUND, name_in
 from hsr.problem.view import View, view
 from hsr.scene.gltf import unique
 from hsr.scene.model import Mesh, Object, Scene, Step
-from hsr.scene.shapes import Polygons
 from hsr.scene.transforms import copies
 
 Item = TypeVar("Item")
@@ -49,14 +48,11 @@ class Shrunk(NamedTuple):
         triangles are left is named as often.
     shown : tuple of 2 str
         The faces that the two methods show at the sample, by those names.
-    trials : int
-        How many scenes were tried.
     """
 
     scene: Scene
     faces: tuple[str, ...]
     shown: tuple[str, str]
-    trials: int
 
 
 def shrink(
@@ -112,7 +108,7 @@ def shrink(
     least, origin = bench.scene_of(minimised(parts, as_before))
     faces = tuple(name_in(whole.manifest, int(face)) for face in origin)
     one, other = (name_in(whole.manifest, face) for face in shown)
-    return Shrunk(bench.titled(least, faces), faces, (one, other), bench.trials)
+    return Shrunk(bench.titled(least, faces), faces, (one, other))
 
 
 def minimised(items: Sequence[Item], holds: Callable[[Sequence[Item]], bool]) -> list[Item]:
@@ -151,7 +147,7 @@ class _Bench:
     """Where small scenes are put together from parts of a scene, and tried."""
 
     def __init__(self, scene: Scene, view: View, sample: tuple[int, int], methods: tuple[str, str]) -> None:
-        self.scene, self.view, self.sample, self.methods, self.trials = scene, view, sample, methods, 0
+        self.scene, self.view, self.sample, self.methods = scene, view, sample, methods
         self.things = [thing for thing in scene.object for _ in copies(thing)]
 
     def parts(self, faces: Ints, apart: bool) -> list[Part]:
@@ -171,7 +167,6 @@ class _Bench:
 
     def shown(self, seen: View, origin: Ints) -> tuple[int, int]:
         """Return what the methods show at the sample, as faces of the whole scene."""
-        self.trials += 1
         one, other = (int(render(seen, method).face[self.sample]) for method in self.methods)
         name = [*map(int, origin), BACKGROUND]
         return name[one], name[other]
@@ -191,7 +186,9 @@ class _Bench:
         if triangles == [WHOLE] or polygons is None:
             whole = thing.model_copy(update={"name": placement.name, "transform": steps, "scatter": None})
             return whole, np.arange(placement.shape.faces, dtype=np.int32) + np.int32(placement.first)
-        vertices, faces = _inline(polygons, triangles)
+        used, corner = np.unique(polygons.triangle_vertex[triangles], return_inverse=True)
+        faces: Any = corner.reshape(-1, 3).tolist()
+        vertices = polygons.vertices[used].tolist()
         mesh = Mesh(name=placement.name, shape="mesh", vertices=vertices, faces=faces)
         placed = {"transform": steps, "cull": thing.cull, "colour": thing.colour}
         mesh = mesh.model_copy(update={key: value for key, value in placed.items() if value})
@@ -209,9 +206,3 @@ class _Bench:
 
 def _steps(matrix: Floats) -> tuple[Step, ...]:
     return () if np.array_equal(matrix, np.eye(4)) else (Step.model_validate({"matrix": matrix.tolist()}),)
-
-
-def _inline(polygons: Polygons, triangles: list[int]) -> tuple[Any, Any]:
-    """Return the vertices and the corners of some of the fan triangles."""
-    used, corner = np.unique(polygons.triangle_vertex[triangles], return_inverse=True)
-    return polygons.vertices[used].tolist(), corner.reshape(-1, 3).tolist()

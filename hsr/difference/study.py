@@ -172,8 +172,7 @@ def causes_of(studies: Sequence[Study], name: str) -> Counter[str]:
 
 
 def _run(method: Method, problem: View, patient: bool) -> VisibilityMap:
-    tests = problem.faces * problem.width * problem.height
-    if method.exhaustive and tests > PATIENCE and not patient:
+    if method.exhaustive and not patient and problem.faces * problem.width * problem.height > PATIENCE:
         why = f"tests each of {problem.faces:,} faces at each sample, which may take minutes"
         raise MethodError(f"{why}; name it to run it all the same")
     method.warm_up(problem)

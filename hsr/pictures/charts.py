@@ -148,8 +148,7 @@ def place_labels(marks: Floats, labels: Sequence[str], lines: Sequence[Box] = ()
     (n, 2) float64
         The middle of the left end of every label.
     """
-    taken: list[Box] = [(x - 4.0, y - 4.0, x + 4.0, y + 4.0) for x, y in marks]
-    taken += lines
+    taken: list[Box] = [*((x - 4.0, y - 4.0, x + 4.0, y + 4.0) for x, y in marks), *lines]
     places = np.empty_like(marks)
     rows = [*range(int(PANEL[1] / STEP)), *range(-1, -int(PANEL[1] / STEP), -1)]
     for k in np.argsort(marks[:, 1], kind="stable"):

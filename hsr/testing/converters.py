@@ -147,8 +147,7 @@ def from_png(
     """
     try:
         with Image.open(path) as image:
-            kind, mode = image.format, image.mode
-            pixels = np.asarray(image)
+            kind, mode, pixels = image.format, image.mode, np.asarray(image)
     except (OSError, SyntaxError) as error:
         raise MapError(f"{path}: not a picture that can be read ({error})") from error
     if kind != "PNG" or mode not in ("RGB", "RGBA") or (mode == "RGBA" and (pixels[..., 3] != 255).any()):
