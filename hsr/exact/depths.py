@@ -49,14 +49,16 @@ def _quotients(problem: Problem, owners: Ints) -> tuple[Floats, Floats]:
     parts, signs = np.zeros((len(owners), 2, 2, 3, 6)), np.zeros((len(owners), 2))
     zeta, det = problem.triangles.zeta[owners[:flats]], problem.triangles.det[owners[:flats]]
     planes = np.stack([on_planes(each, zeta, det) for each in forms], axis=1)
-    parts[:flats, :, 0, :, 3:] = split(planes, bits(planes).max(axis=1))
+    lengths = bits(planes)
+    parts[:flats, :, 0, :, 3:] = split(planes, lengths.max(axis=1), lengths)
     if flats < len(owners):
         rounds = [problem.piece(int(number)).zeta for number in owners[flats:]]
         surds = [[zeta.affine(*form(each)[::-1]) for each in forms] for zeta in rounds]
         p = np.array([[coefficients(surd.p) for surd in pair] for pair in surds])
         r = np.array([[coefficients(surd.q**2 * surd.r) for surd in pair] for pair in surds])
-        scale = bits(p).max(axis=1)
-        parts[flats:, :, 0], parts[flats:, :, 1] = split(p, scale), split(r, 2 * scale)
+        lengths = bits(p)
+        scale = lengths.max(axis=1)
+        parts[flats:, :, 0], parts[flats:, :, 1] = split(p, scale, lengths), split(r, 2 * scale, bits(r))
         signs[flats:] = [[sign(surd.q) for surd in pair] for pair in surds]
     return parts, signs
 

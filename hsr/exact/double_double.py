@@ -139,20 +139,22 @@ def bits(numbers: Array) -> Array:
     return np.asarray(np.max(np.frompyfunc(int.bit_length, 1, 1)(numbers), axis=-1), dtype=np.int64)
 
 
-def split(numbers: Array, scale: Array) -> Floats:
+def split(numbers: Array, scale: Array, lengths: Array) -> Floats:
     """Cut the integers of each row to :data:`BITS` bits, and those to two floats.
 
     Parameters
     ----------
     numbers : (n, ..., k) object
     scale : (n,) int64
+    lengths : (n, ...) int64
+        Their :func:`bits`.
 
     Returns
     -------
     (n, ..., 3, k) float64
         Greater parts, lesser parts and errors of ``numbers / 2**scale``.
     """
-    excess = (bits(numbers) - BITS)[..., None]
+    excess = (lengths - BITS)[..., None]
     cut = (numbers << np.maximum(-excess, 0).astype(object)) >> np.maximum(excess, 0).astype(object)
     high = cut.astype(np.float64)
     low = (cut - np.frompyfunc(int, 1, 1)(high)).astype(np.float64)

@@ -162,7 +162,8 @@ def span(half: Floats, slack: Floats, j: int, width: int, box: Ints) -> tuple[in
 def visit_triangles(flat: TriangleTables, reach: Floats, slot: Array, piece: Ints, sure: Bools) -> None:
     """Lower ``reach`` (H, W) to the greatest key that a triangle surely at the sample can have.
 
-    Given slots, note instead what may be nearest at each sample, see :func:`note`.
+    Given slots (H, W), write instead what may be nearest at each sample from its slot on, which moves along.
+    With empty ``piece`` and ``sure`` nothing is written: the slots count.
     """
     half, slack, key, key_slack, box = flat
     height, width = reach.shape
@@ -171,23 +172,23 @@ def visit_triangles(flat: TriangleTables, reach: Floats, slot: Array, piece: Int
             j = height - 1 - 2 * row
             first, last, surely_first, surely_last = span(half[t], slack[t], j, width, box[t])
             middle = key[t, 1] * j + key[t, 2]
-            nearest, farthest = middle - key_slack[t], middle + key_slack[t]
             if len(slot) == 0:
-                for column in range(surely_first, surely_last + 1):
-                    most = key[t, 0] * (2 * column + 1 - width) + farthest
-                    reach[row, column] = min(reach[row, column], most)
+                lower(reach[row], key[t, 0], middle + key_slack[t], surely_first, surely_last)
                 continue
+            nearest = middle - key_slack[t]
             for column in range(first, last + 1):
                 if key[t, 0] * (2 * column + 1 - width) + nearest <= reach[row, column]:
-                    note(slot, piece, sure, row, column, t, surely_first <= column <= surely_last)
+                    if len(piece) > 0:
+                        piece[slot[row, column]] = t
+                        sure[slot[row, column]] = surely_first <= column <= surely_last
+                    slot[row, column] += 1
 
 
 @jit
-def note(slot: Array, piece: Ints, sure: Bools, row: int, column: int, number: int, certain: bool) -> None:
-    """Write a candidate of a sample into its slot, which moves along; without ``piece`` slots only count."""
-    if len(piece) > 0:
-        piece[slot[row, column]], sure[slot[row, column]] = number, certain
-    slot[row, column] += 1
+def lower(reach: Floats, slope: float, middle: float, first: int, last: int) -> None:
+    """Lower a row of reaches to a key that is affine, from a first to a last column."""
+    for column in range(first, last + 1):
+        reach[column] = min(reach[column], slope * (2 * column + 1 - len(reach)) + middle)
 
 
 # ---------------------------------------------------------------- curved pieces
@@ -312,4 +313,6 @@ def visit_rounds(
                 if len(slot) == 0:
                     reach[row, column] = min(reach[row, column], farthest if verdict == 2 else np.inf)
                 elif verdict > 0 and nearest <= reach[row, column]:
-                    note(slot, piece, sure, row, column, number + t, verdict == 2)
+                    if len(piece) > 0:
+                        piece[slot[row, column]], sure[slot[row, column]] = number + t, verdict == 2
+                    slot[row, column] += 1

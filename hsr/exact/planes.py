@@ -172,7 +172,9 @@ def bounds(half: Array) -> Array:
 
 def on_planes(form: Array, zeta: Array, det: Array) -> Array:
     """Coefficients (n, 3) of the affine functions that a form is on planes, times ``det``."""
-    return np.asarray(det[:, None] * form[:3] + form[3] * zeta)
+    # Most forms are of zeta alone, or of the sample alone.
+    of_zeta = form[3] * zeta if form[3] else 0
+    return np.asarray(det[:, None] * form[:3] + of_zeta if form[:3].any() else of_zeta)
 
 
 def boxes(view: View, corners: Array, vertex: Ints, ahead: Bools) -> Ints:

@@ -67,7 +67,7 @@ def test_a_quotient_that_is_not_known_well_is_refused() -> None:
 def test_polynomials_of_split_integers(coefficients: list[int], scale: int) -> None:
     whole = np.array([coefficients], dtype=object)
     i, j = 1023, -77
-    value = at(split(whole, np.array([scale]))[0], i, j)
+    value = at(split(whole, np.array([scale]), bits(whole))[0], i, j)
     powers = (i * i, i * j, j * j, i, j, 1)
     truth = Fraction(sum(c * p for c, p in zip(coefficients, powers, strict=True)), 2**scale)
     assert abs(exact(value) - truth) <= Fraction(float(value[2]))
