@@ -233,11 +233,8 @@ def depth_writer(depths: Sequence[float]) -> Any:
 def _screen(screen: Screen, labels: Sequence[str], tracks: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """Return a screen as JSON values: of each track, the step to go to."""
     track = labels.index(screen.track) if screen.track in labels else None
-    return {
-        **screen.model_dump(include={"title", "text", "formula"}),
-        "track": track,
-        "steps": [step_of(screen, recorded["panels"][0]) for recorded in tracks],
-    }
+    steps = [step_of(screen, recorded["panels"][0]) for recorded in tracks]
+    return screen.model_dump(include={"title", "text", "formula"}) | {"track": track, "steps": steps}
 
 
 def step_of(screen: Screen, panel: dict[str, Any]) -> int:

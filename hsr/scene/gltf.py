@@ -90,9 +90,10 @@ class Document:
             walk = self._walk(self._roots(), (), ())
             carriers = [(table, steps) for table, steps in walk if "mesh" in table or "camera" in table]
             node_names = unique([self._name(table, names) for table, _ in carriers])
+            parts = [names[table["mesh"]] if "mesh" in table else "" for table, _ in carriers]
             self.nodes = [
-                Node(name, steps, self._part(table, names), self._camera(table, name, steps))
-                for name, (table, steps) in zip(node_names, carriers, strict=True)
+                Node(name, steps, part if part in self.parts else None, self._camera(table, name, steps))
+                for name, part, (table, steps) in zip(node_names, parts, carriers, strict=True)
             ]
 
     def faces(self, part: str | None = None) -> Faces:
@@ -178,10 +179,6 @@ class Document:
         if "mesh" in table:
             return mesh_names[int(table["mesh"])]
         return str(self._tree["cameras"][table["camera"]].get("name") or f"camera {table['camera']}")
-
-    def _part(self, table: dict[str, Any], mesh_names: Sequence[str]) -> str | None:
-        name = mesh_names[table["mesh"]] if "mesh" in table else None
-        return name if name in self.parts else None
 
     def _camera(self, table: dict[str, Any], name: str, steps: tuple[Step, ...]) -> Camera | None:
         if "camera" not in table:

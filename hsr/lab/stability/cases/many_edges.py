@@ -21,15 +21,16 @@ def spokes_of(bits: int, side: int) -> float:
     return 2.0 ** (bits + 3) / side
 
 
+def fewest(side: int) -> float:
+    """Return those of a grid of 4 bits, but no fewer than the sweep has."""
+    return max(4.0, spokes_of(4, side))
+
+
 @hard_case("coverage", "number of spokes", octaves(2, 13), continuous=False)
 @truth("Within the disc the triangle whose angle holds the sample, the background outside.")
 @source("The OpenGL Graphics System, 3.6.1: polygons that share an edge produce each fragment once")
 @variants(
-    Variant(
-        "scanline-snap-4",
-        lambda side: max(4.0, spokes_of(4, side)),
-        "2^(b+3) / W spokes, but no fewer than the sweep has",
-    ),
+    Variant("scanline-snap-4", fewest, "2^(b+3) / W spokes, but no fewer than the sweep has"),
     Variant("scanline-snap-8", lambda side: spokes_of(8, side), "2^(b+3) / W spokes", 4.0),
     Variant("opengl", lambda side: spokes_of(8, side), "2^(b+3) / W spokes", 4.0),
     Variant("scanline-direct", lambda side: spokes_of(50, side), "2^(b+3) / W, with b = 50"),

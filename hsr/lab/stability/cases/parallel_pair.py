@@ -69,10 +69,8 @@ def driven(name: str, kept: str, because: str, curve: Curve) -> Variant:
     It rounds corners to float32 before anything else, and depth again while it interpolates it, before what
     is stored is: hence the excess.
     """
-    options = {"depth_format": kept}
-    return resolved(
-        name, because, lambda at: max(curve(at), spacing(at)), method="opengl", options=options, excess=2.0
-    )
+    how = {"method": "opengl", "options": {"depth_format": kept}, "excess": 2.0}
+    return resolved(name, because, lambda at: max(curve(at), spacing(at)), **how)
 
 
 CROSSINGS = {
