@@ -76,8 +76,7 @@ def scaling(
     from hsr.lab.scaling import measured_cases
     from hsr.lab.speed import PATIENCE
 
-    cases = measured_cases(quick)
-    _measure(cases, method, repeat, output, as_json, quiet, patience=PATIENCE, explain=False)
+    _measure(measured_cases(quick), method, repeat, output, as_json, quiet, patience=PATIENCE, explain=False)
 
 
 def _built_in() -> list[Path]:

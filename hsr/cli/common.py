@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
-from rich.console import Console
+from rich.console import Console, JustifyMethod
 from rich.markup import escape
 from rich.table import Table
 from typer import Argument, BadParameter, Option
@@ -54,8 +54,7 @@ class RunByDefault(TyperGroup):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Put ``run`` before arguments that begin with no command."""
         named = args and (args[0] in self.commands or args[0] in ctx.help_option_names)
-        parsed: list[str] = super().parse_args(ctx, args if named else ["run", *args])
-        return parsed
+        return list(super().parse_args(ctx, args if named else ["run", *args]))
 
 
 def named(method: Texts) -> list[str]:
@@ -131,10 +130,9 @@ def print_table(
     """Print a plain table; all columns but the first are numbers unless ``right`` names them."""
     table = Table(title=escape(title) or None, box=None, pad_edge=False, title_justify="left")
     numbers = head[1:] if right is None else right
-    for column in head:
-        table.add_column(
-            escape(column), justify="right" if column in numbers else "left", no_wrap=column in head[:2]
-        )
+    for name in head:
+        side: JustifyMethod = "right" if name in numbers else "left"
+        table.add_column(escape(name), justify=side, no_wrap=name in head[:2])
     for cells in rows:
         table.add_row(*map(escape, cells), style=None if cells[0] else "dim")
     out.print(table)

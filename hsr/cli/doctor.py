@@ -74,8 +74,7 @@ def lines(found: dict[str, Any]) -> Iterator[str]:
     """Yield what :func:`diagnose` found as lines for people."""
     yield f"Python {found['python']}, {found['platform']}"
     yield ", ".join(f"{name} {version or 'missing'}" for name, version in found["packages"].items())
-    threads = found["threads"]
-    yield f"threads: {threads['processors']} processors, numba {threads['numba']}"
+    yield "threads: {processors} processors, numba {numba}".format(**found["threads"])
     for backend, state in found["opengl"].items():
         yield f"OpenGL by {backend}: {_opengl_line(state)}"
     yield f"Embree: {'embreex ' + found['embree'] if found['embree'] else 'missing'}"
@@ -135,11 +134,10 @@ def _probe_apart(backend: str) -> dict[str, Any]:
     except subprocess.TimeoutExpired:
         return {"draws": False, "problem": f"no answer within {PATIENCE:g} seconds"}
     try:
-        state: dict[str, Any] = json.loads(run.stdout)
+        return dict(json.loads(run.stdout))
     except json.JSONDecodeError:
         last = (run.stderr.strip().splitlines() or ["no message"])[-1]
         return {"draws": False, "problem": f"trying it ended a process with code {run.returncode}: {last}"}
-    return state
 
 
 # ---------------------------------------------------------------- the rest
@@ -166,5 +164,4 @@ def _opengl_advice() -> str:
 
 def _apt_knows(package: str) -> bool:
     """Whether apt can install a package; OSMesa left Mesa with version 25.1."""
-    found = subprocess.run(["apt-cache", "show", package], capture_output=True, check=False)
-    return found.returncode == 0
+    return subprocess.run(["apt-cache", "show", package], capture_output=True, check=False).returncode == 0

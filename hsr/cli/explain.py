@@ -35,9 +35,8 @@ def explain(
 
 def _maps(view: hsr.View, asked: Sequence[str] | None) -> list[hsr.VisibilityMap]:
     """Render by the methods asked for, or by the first of each family that runs here."""
-    if asked:
-        return [hsr.render(view, name) for name in asked]
-    maps = [hsr.render(view, name) for name in ("zbuffer", "raycast")]
-    with suppress(UnavailableError):
-        maps.append(hsr.render(view, "opengl"))
+    maps = [hsr.render(view, name) for name in asked or ("zbuffer", "raycast")]
+    if not asked:
+        with suppress(UnavailableError):
+            maps.append(hsr.render(view, "opengl"))
     return maps

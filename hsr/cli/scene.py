@@ -12,6 +12,7 @@ from hsr.base.files import write_whole
 from hsr.cli import common as cli
 
 Files = Annotated[list[Path], Argument(help="Scene or mesh files.")]
+SchemaFile = Annotated[Path | None, Argument(help="File to write; standard output by default.")]
 
 scene_app = Typer(help="Check and describe scene files.", no_args_is_help=True)
 
@@ -42,9 +43,7 @@ def info(file: cli.SceneFile, size: cli.Size = "512x512", as_json: cli.Json = Fa
 
 
 @scene_app.command()
-def schema(
-    file: Annotated[Path | None, Argument(help="File to write; standard output by default.")] = None,
-) -> None:
+def schema(file: SchemaFile = None) -> None:
     """Print the JSON Schema of scene files, for editors."""
     from hsr.scene.info import schema as scene_schema
 

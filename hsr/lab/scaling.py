@@ -13,7 +13,7 @@ The constants are fitted; how well the law holds is seen in the chart.
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import permutations
 from typing import Any, NamedTuple
 
@@ -186,8 +186,7 @@ def fitted(law: str, x: Sequence[float], y: Sequence[float]) -> list[float]:
     times = np.asarray(y, dtype=np.float64)
     terms = LAWS[law](np.asarray(x, dtype=np.float64))
     constants, _ = nnls(terms / times[:, None], np.ones_like(times))
-    predicted: list[float] = (terms @ constants).tolist()
-    return predicted
+    return [float(time) for time in terms @ constants]
 
 
 def growth(results: Results) -> list[Growth]:
@@ -214,8 +213,7 @@ def _curve(rows: Sequence[Row], series: str) -> Curve:
 # ---------------------------------------------------------------- crossovers
 
 
-@dataclass(frozen=True)
-class Crossover:
+class Crossover(NamedTuple):
     """From a size on one method is faster than another, which had been faster before.
 
     Attributes

@@ -6,8 +6,8 @@ differently may deny both. After Woop, Benthin and Wald, "Watertight Ray/Triangl
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,8 +22,7 @@ SEGMENTS = 40
 """Sides of the sphere and the cylinder."""
 
 
-@dataclass(frozen=True)
-class Escapes:
+class Escapes(NamedTuple):
     """One row of the table.
 
     Attributes

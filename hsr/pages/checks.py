@@ -72,8 +72,7 @@ def kept(shown: Shown) -> dict[str, Any]:
     map = shown.maps[base]
     picture = face_picture(map.face) if shown.view is None else shade(map, shown.view)
     thumbs = [(base, "faces" if shown.view is None else "picture", data_uri(picture))]
-    for name, difference in shown.differences.items():
-        thumbs.append((name, "where it differs", data_uri(difference.picture())))
+    thumbs += [(name, "where it differs", data_uri(it.picture())) for name, it in shown.differences.items()]
     return {"scene": inspection(shown, DIGITS), "thumbs": thumbs}
 
 

@@ -47,6 +47,5 @@ def write_course(course: Mapping[str, Topic], folder: str | Path) -> None:
     """
     for name, topic in course.items():
         write_lesson(topic, Path(folder, f"{name}.html"))
-    title = "Which surface does the eye see? A course"
-    text = page("course", title, style("course.css"), course=course)
+    text = page("course", "Which surface does the eye see? A course", style("course.css"), course=course)
     write_whole(Path(folder, "index.html"), text, "the list of lessons")

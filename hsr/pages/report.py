@@ -23,6 +23,8 @@ from hsr.pages.stories import DIGITS
 from hsr.pictures.palette import CLASS_COLOURS
 from hsr.pictures.png import data_uri
 
+TITLE = "Which surface does the eye see?"
+
 ALL_DIGITS = 12_000_000
 """How many digits the histories of all scenes of a page may have, shared out evenly: 5 MB."""
 
@@ -31,10 +33,7 @@ PACKAGES = ("hsr-lab", "numpy", "numba", "scipy", "moderngl")
 
 
 def write_report(
-    studies: Sequence[Study],
-    path: str | Path,
-    title: str = "Which surface does the eye see?",
-    progress: Progress = lambda _: None,
+    studies: Sequence[Study], path: str | Path, title: str = TITLE, progress: Progress = lambda _: None
 ) -> None:
     """Write a report on several studies as one HTML file that needs no network.
 

@@ -253,9 +253,7 @@ class Family:
         everyone = {**certified, **peers, **known}
         if not asked:
             return tuple(everyone[name] for name in {**certified, **known, **peers})
-        return tuple(
-            everyone[name] if name in everyone else Variant(method_named(name).name) for name in asked
-        )
+        return tuple(everyone.get(name) or Variant(method_named(name).name) for name in asked)
 
 
 GROUPS = {
