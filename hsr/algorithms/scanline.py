@@ -206,14 +206,13 @@ def scan_polygons(
     points, corner, start = clip_polygons(clip, polygons.corner, polygons.start, planes)
     depths = depths_in(view, points, corner, options)
     screen = screen_of(view, points, depths, options)
-    plane, table = polygon_table(screen, corner, start, polygons.face, cull_on_screen(cull, options), size)
-    z, face, counts = scan_convert(
-        screen, corner, plane, table, size, options.directly, options.count, depths.held, depths.form(test)
-    )
+    table = polygon_table(screen, corner, start, polygons.face, cull_on_screen(cull, options), size)
+    form = depths.form(test)
+    z, face, counts = scan_convert(table, size, options.directly, options.count, depths.held, form)
     work = {"polygons": len(polygons), "buffer_bytes": z.nbytes + face.nbytes}
     if counts is not None:
         cut = _cut_polygons(corner, start, len(clip))
-        fates = np.bincount(table[:, FATE], minlength=len(FATES)).tolist()
+        fates = np.bincount(table.row[:, FATE], minlength=len(FATES)).tolist()
         work |= {"cut": cut} | dict(zip(FATES, fates, strict=True))
         work |= _counts(counts, int(np.count_nonzero(face >= 0)))
     depth = depths.distance(z, face)

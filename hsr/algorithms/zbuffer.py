@@ -86,10 +86,8 @@ def render(view: View, options: Options) -> VisibilityMap:
         clusters = clusters_of(view)
         # Touch the memory now: the first touch of a page takes longer than what is computed in it.
         screen = np.full((clusters.vertices.shape[1], 4), 0.0)
-        face, depth = (
-            np.full((view.height, view.width), -1, np.int32),
-            np.full((view.height, view.width), np.inf),
-        )
+        size = (view.height, view.width)
+        face, depth = np.full(size, -1, np.int32), np.full(size, np.inf)
     with clock("render"):
         rows = clip_rows(view.clip_from_world, view.depth_row)
         eye = eye_of(view, clusters, rows)
@@ -164,10 +162,8 @@ def in_clusters(geometry: Geometry, chosen: Array, faces: Ints) -> Clusters:
     order, _ = along_the_curve(low, high)
     number, first = chosen[order].astype(np.int32), np.arange(0, len(order), CLUSTER)
     low, high = np.minimum.reduceat(low[order], first), np.maximum.reduceat(high[order], first)
-    vertices, corner = (
-        np.ascontiguousarray(polygons.vertices[vertex].T),
-        place[polygons.triangle_vertex[number]],
-    )
+    vertices = np.ascontiguousarray(polygons.vertices[vertex].T)
+    corner = place[polygons.triangle_vertex[number]]
     cull, slack = polygons.cull[polygons.triangle_polygon[number]], world_slack(geometry)
     least, most = np.minimum.reduceat(cull, first), np.maximum.reduceat(cull, first)
     return Clusters(
@@ -271,10 +267,10 @@ def draw(
         )
     crossing = _crossing(view, clusters, rows, eye, screen) if uncertain else NO_TABLES
     listed, todo = tiles.deal(extent, view.width, view.height, thread_count())
-    prepared = (screen, clusters.corner, clusters.cull, clusters.faces)
+    triangles, image = (screen, clusters.corner, clusters.cull), (clusters.faces, *answer)
 
     def rasterise(todo: Array, noted: Array | None, counts: Array) -> None:
-        tiles.rasterise(prepared, extent, listed, todo, crossing, eye, noted, counts, *answer)
+        tiles.rasterise(triangles, extent, listed, todo, crossing, eye, image, noted, counts)
 
     found, counts = zip(*filled(todo, ROOM, certified, rasterise), strict=True)
     return np.concatenate(found), sum(counts)

@@ -28,12 +28,12 @@ theorem.
    not meet it, and between them the piece is a *doubt*. Edges are those of projected corners if all corners
    are proven ahead of the eye, to within ``PRECISE`` pixels; otherwise they are the homogeneous edges, from
    exact integers rounded once. See :func:`hsr.kernels.zbuffer.fill.fill`,
-   :func:`hsr.kernels.zbuffer.settle.note`, :func:`hsr.kernels.zbuffer.settle.suspect` and
+   :func:`hsr.kernels.zbuffer.fill.note`, :func:`hsr.kernels.zbuffer.fill.suspect` and
    :func:`hsr.kernels.raytiles.curved.meet_quadric`.
 2. *Depth is proven or uncertain.* A piece that is proven to cover a sample enters the keys, and of two such
    pieces the one with the lesser key is nearer if the keys differ by more than a gap. If they do not, both
    are doubts: the one is written down, the other either stays in the keys, and is added in the end, or
-   gives way to a piece that is proven nearer. See :func:`hsr.kernels.zbuffer.settle.settle`.
+   gives way to a piece that is proven nearer. See :func:`hsr.kernels.zbuffer.fill.settle`.
 3. *What is left out is proven to be hidden or outside.* Clusters and triangles that certainly turn the side
    that is culled (:func:`hsr.kernels.zbuffer.facing.leave_out`,
    :func:`hsr.kernels.zbuffer.setup.set_up`); what lies beside a tile, between samples, or beyond near

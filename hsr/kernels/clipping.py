@@ -82,22 +82,19 @@ def clip_polygons(clip: Floats, corner: Ints, start: Ints, planes: Floats) -> tu
     codes = outcodes(clip, planes)
     if not codes.any():
         return clip, corner, start
-    cut_sides, cut = np.empty(len(start) - 1, np.int32), np.empty(len(start) - 1, np.bool_)
-    _measure(clip, corner, start, planes, codes, cut_sides, cut)
-    cut_start = np.concatenate([[0], np.cumsum(cut_sides)]).astype(np.int32)
-    first_new = len(clip) + np.concatenate([[0], np.cumsum(np.where(cut, cut_sides, 0))])
-    new_clip = np.empty((first_new[-1], 3))
+    sides, cut = _measure(clip, corner, start, planes, codes)
+    new_start = np.concatenate([[0], np.cumsum(sides)]).astype(np.int32)
+    first = len(clip) + np.concatenate([[0], np.cumsum(np.where(cut, sides, 0))])
+    new_clip, new_corner = np.empty((first[-1], 3)), np.empty(new_start[-1], np.int32)
     new_clip[: len(clip)] = clip
-    new_corner = np.empty(cut_start[-1], np.int32)
-    _fill(new_clip, corner, start, planes, cut, first_new, cut_start, new_corner)
-    return new_clip, new_corner, cut_start
+    _fill((corner, start), planes, cut, first, new_clip, new_corner, new_start)
+    return new_clip, new_corner, new_start
 
 
 @parallel_jit
-def _measure(
-    clip: Floats, corner: Ints, start: Ints, planes: Floats, codes: Array, sides: Ints, cut: Array
-) -> None:
+def _measure(clip: Floats, corner: Ints, start: Ints, planes: Floats, codes: Array) -> tuple[Ints, Array]:
     """Count the corners that each polygon has left, and tell which polygons are cut."""
+    sides, cut = np.empty(len(start) - 1, np.int32), np.empty(len(start) - 1, np.bool_)
     for i in prange(len(sides)):
         any_outside, all_outside = 0, 255
         for k in range(start[i], start[i + 1]):
@@ -107,27 +104,21 @@ def _measure(
         sides[i] = 0 if all_outside != 0 else start[i + 1] - start[i]
         if cut[i]:
             sides[i] = len(clip_polygon(clip, corner[start[i] : start[i + 1]], planes))
+    return sides, cut
 
 
 @parallel_jit
 def _fill(
-    clip: Floats,
-    corner: Ints,
-    start: Ints,
-    planes: Floats,
-    cut: Array,
-    first_new: Array,
-    cut_start: Ints,
-    new_corner: Ints,
+    old: tuple[Ints, Ints], planes: Floats, cut: Array, first: Array, clip: Floats, corner: Ints, start: Ints
 ) -> None:
     """Write the corners that are left, and after the old vertices those of the cut polygons."""
+    old_corner, old_start = old
     for i in prange(len(cut)):
-        for k in range(cut_start[i + 1] - cut_start[i]):
-            new_corner[cut_start[i] + k] = first_new[i] + k if cut[i] else corner[start[i] + k]
+        loop = old_corner[old_start[i] : old_start[i + 1]]
+        for k in range(start[i + 1] - start[i]):
+            corner[start[i] + k] = first[i] + k if cut[i] else loop[k]
         if cut[i]:
-            clip[first_new[i] : first_new[i + 1]] = clip_polygon(
-                clip, corner[start[i] : start[i + 1]], planes
-            )
+            clip[first[i] : first[i + 1]] = clip_polygon(clip, loop, planes)
 
 
 @jit

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from hsr.base.jit import jit, parallel_jit, prange
 from hsr.kernels.culling import CULL_BACK, CULL_FRONT, newell
 
 FIRST_LINE, END_LINE, FIRST, END, TOP, TURN, FACE, FATE = range(8)
-"""Columns of the polygon table: its first scan line and the one after its last; the places of its first
+"""Columns of a polygon's row: its first scan line and the one after its last; the places of its first
 corner, the one after its last, and its topmost; +1 or -1, the direction in which corners run down its
 left side; its face; what became of it."""
 
@@ -19,10 +20,31 @@ CLIPPED, MISSED, EDGE_ON, CULLED, DRAWN = range(5)
 """Fates: outside the view volume; no sample in its bounding box; seen edge-on; culled; drawn."""
 
 
+class PolygonTable(NamedTuple):
+    """The polygons to scan convert.
+
+    Attributes
+    ----------
+    screen : (V, 3) float64 or float32, screen coordinates
+        Their type is that of all arithmetic.
+    corner : (K,) int32
+        The vertices of one polygon after the other.
+    plane : (P, 3) of screen's type
+        A, B and C of each.
+    row : (P, 8) int32
+        Columns FIRST_LINE to FATE; polygons not drawn have no scan lines.
+    """
+
+    screen: Array
+    corner: Ints
+    plane: Array
+    row: Ints
+
+
 @parallel_jit
 def polygon_table(
     screen: Array, corner: Ints, start: Ints, face: Ints, cull: Array, size: tuple[int, int]
-) -> tuple[Array, Ints]:
+) -> PolygonTable:
     """Set up every polygon once: its plane, its scan lines, its topmost corner, its facing.
 
     Parameters
@@ -34,20 +56,13 @@ def polygon_table(
     cull : (P,) int8
         What not to draw, see :data:`hsr.kernels.culling.CULL_BACK`.
     size : (width, height)
-
-    Returns
-    -------
-    plane : (P, 3) of screen's type
-        A, B and C.
-    table : (P, 8) int32
-        Columns FIRST_LINE to FATE; polygons not drawn have no scan lines.
     """
     plane = np.empty((len(face), 3), screen.dtype)
-    table = np.zeros((len(face), 8), np.int32)
-    table[:, FACE] = face
+    row = np.zeros((len(face), 8), np.int32)
+    row[:, FACE] = face
     width, height = size
     half = screen.dtype.type(0.5)
-    for i in prange(len(table)):
+    for i in prange(len(row)):
         first, end = start[i], start[i + 1]
         if end - first < 3:
             continue  # clipped away
@@ -55,12 +70,12 @@ def polygon_table(
         # Drop what has no area, and what is not a number. Window depth grows away from the eye.
         minus_A, minus_B, C = newell(screen, corner[first:end])
         if not 0.0 < abs(C) < np.inf:
-            table[i, FATE] = EDGE_ON
+            row[i, FATE] = EDGE_ON
             continue
 
         # Tell front from back by C: with y down, what is counter-clockwise to the eye has C < 0.
         if cull[i] & (CULL_FRONT if C < 0.0 else CULL_BACK):
-            table[i, FATE] = CULLED
+            row[i, FATE] = CULLED
             continue
 
         # Drop what crosses no sample.
@@ -68,15 +83,15 @@ def polygon_table(
         first_line = max(math.ceil(highest - half), 0)
         end_line = min(math.ceil(lowest - half), height)
         if first_line >= end_line or max(math.ceil(left - half), 0) >= min(math.ceil(right - half), width):
-            table[i, FATE] = MISSED
+            row[i, FATE] = MISSED
             continue
 
         plane[i, 0], plane[i, 1], plane[i, 2] = -minus_A, -minus_B, C
-        table[i, FIRST_LINE], table[i, END_LINE] = first_line, end_line
-        table[i, FIRST], table[i, END], table[i, TOP] = first, end, top
-        table[i, TURN] = 1 if C < 0.0 else -1
-        table[i, FATE] = DRAWN
-    return plane, table
+        row[i, FIRST_LINE], row[i, END_LINE] = first_line, end_line
+        row[i, FIRST], row[i, END], row[i, TOP] = first, end, top
+        row[i, TURN] = 1 if C < 0.0 else -1
+        row[i, FATE] = DRAWN
+    return PolygonTable(screen, corner, plane, row)
 
 
 @jit

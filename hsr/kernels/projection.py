@@ -58,6 +58,7 @@ def to_clip(vertices: Floats, rows: Floats) -> Floats:
     return clip
 
 
+@parallel_jit
 def to_screen(clip: Floats, perspective: bool, size: tuple[int, int], depths: tuple[float, float]) -> Floats:
     """Divide by w, map to the viewport, and replace depth by window depth.
 
@@ -75,35 +76,14 @@ def to_screen(clip: Floats, perspective: bool, size: tuple[int, int], depths: tu
     (V, 3) float64
         x right, y down, in pixels; window depth z.
     """
-    screen = np.empty_like(clip)
-    if perspective:
-        _perspective_to_screen(clip, *size, *depths, screen)
-    else:
-        _parallel_to_screen(clip, *size, *depths, screen)
+    (width, height), (near, far), screen = size, depths, np.empty_like(clip)
+    for i in prange(len(clip)):
+        x, y, d = clip[i, 0], clip[i, 1], clip[i, 2]
+        w = d if perspective else 1.0
+        screen[i, 0] = (1.0 + x / w) * 0.5 * width
+        screen[i, 1] = (1.0 - y / w) * 0.5 * height
+        screen[i, 2] = (1.0 - near / d) / (1.0 - near / far) if perspective else (d - near) / (far - near)
     return screen
-
-
-@parallel_jit
-def _perspective_to_screen(
-    clip: Floats, width: int, height: int, near: float, far: float, screen: Floats
-) -> None:
-    range_of_z = 1.0 - near / far
-    for i in prange(len(clip)):
-        x, y, d = clip[i, 0], clip[i, 1], clip[i, 2]
-        screen[i, 0] = (1.0 + x / d) * 0.5 * width
-        screen[i, 1] = (1.0 - y / d) * 0.5 * height
-        screen[i, 2] = (1.0 - near / d) / range_of_z
-
-
-@parallel_jit
-def _parallel_to_screen(
-    clip: Floats, width: int, height: int, near: float, far: float, screen: Floats
-) -> None:
-    for i in prange(len(clip)):
-        x, y, d = clip[i, 0], clip[i, 1], clip[i, 2]
-        screen[i, 0] = (1.0 + x) * 0.5 * width
-        screen[i, 1] = (1.0 - y) * 0.5 * height
-        screen[i, 2] = (d - near) / (far - near)
 
 
 def to_depth(window: Array, perspective: bool, depths: tuple[float, float]) -> Floats:
@@ -127,29 +107,17 @@ def to_depth(window: Array, perspective: bool, depths: tuple[float, float]) -> F
     near, far = depths
     depth = window if window.dtype == np.float64 else np.empty(window.shape)
     last = 1.0 if far < np.inf else 1.0 - float(np.finfo(window.dtype).epsneg)
-    if perspective:
-        _to_perspective_depth(window, near, far, last, depth)
-    else:
-        _to_parallel_depth(window, near, far, depth)
+    _to_depth(window, perspective, near, far, last, depth)
     return depth
 
 
 @parallel_jit
-def _to_perspective_depth(window: Array, near: float, far: float, last: float, depth: Floats) -> None:
-    range_of_z = 1.0 - near / far
+def _to_depth(window: Array, perspective: bool, near: float, far: float, last: float, depth: Floats) -> None:
     for row in prange(window.shape[0]):
         for column in range(window.shape[1]):
             z = float(window[row, column])
-            seen = near / (1.0 - min(max(z, 0.0), last) * range_of_z)
-            depth[row, column] = seen if z < np.inf else np.inf
-
-
-@parallel_jit
-def _to_parallel_depth(window: Array, near: float, far: float, depth: Floats) -> None:
-    for row in prange(window.shape[0]):
-        for column in range(window.shape[1]):
-            z = float(window[row, column])
-            seen = near + min(max(z, 0.0), 1.0) * (far - near)
+            inside = min(max(z, 0.0), last)
+            seen = near / (1.0 - inside * (1.0 - near / far)) if perspective else near + inside * (far - near)
             depth[row, column] = seen if z < np.inf else np.inf
 
 

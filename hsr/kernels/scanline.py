@@ -36,36 +36,34 @@ import numpy as np
 from hsr.base.arrays import Array, Ints
 from hsr.base.jit import inline_jit, jit
 from hsr.kernels.depth_buffer import Form, passes, span, stepped, stored_of
-from hsr.kernels.polygon_table import END, FACE, FIRST, TOP, TURN
+from hsr.kernels.polygon_table import END, FACE, FIRST, TOP, TURN, PolygonTable
 
 
 @inline_jit
 def scan_polygon(
-    screen: Array,
-    corner: Ints,
-    plane: Array,
-    polygon: Ints,
+    table: PolygonTable,
+    i: int,
     lines: tuple[int, int],
     buffers: tuple[Array, Ints],
     form: Form | None,
     counts: Array | None,
 ) -> None:
-    """Scan convert one polygon within some scan lines.
+    """Scan convert polygon i of a table within some scan lines.
 
     Parameters
     ----------
-    screen, corner, plane, polygon
-        See :func:`hsr.kernels.polygon_table.polygon_table`, of which the last two are one row.
+    table, i
     lines : (row, end)
     buffers : (z, owner)
         Depths and faces (H, W).
     form, counts
         See :func:`hsr.kernels.strips.scan_convert`.
     """
+    screen, corner = table.screen, table.corner
     real = screen.dtype.type
     half = real(0.5)
-    A, B, C = plane[0], plane[1], plane[2]
-    face, top, turn = polygon[FACE], polygon[TOP], polygon[TURN]
+    A, B, C = table.plane[i, 0], table.plane[i, 1], table.plane[i, 2]
+    face, top, turn = table.row[i, FACE], table.row[i, TOP], table.row[i, TURN]
     x_top, y_top, z_top = screen[corner[top], 0], screen[corner[top], 1], screen[corner[top], 2]
     z_across = stepped(A / C, form)
     _, owner = buffers
@@ -74,9 +72,7 @@ def scan_polygon(
     while row < end:
         # Where the edge of a side ends, take the next, and step down it to this scan line.
         if left_end <= row:
-            left, line, left_end, x_left, left_one_over_m = edge_below(
-                screen, corner, polygon, left, turn, row
-            )
+            left, line, left_end, x_left, left_one_over_m = edge_below(table, i, left, turn, row)
             y = real(line) + half
             z_left = stepped(z_top - (x_left - x_top) * (A / C) - (y - y_top) * (B / C), form)
             # (A / m + B) / C, which is B / C down a vertical side: its 1/m is 0.
@@ -85,9 +81,7 @@ def scan_polygon(
                 x_left += left_one_over_m
                 z_left -= z_down
         if right_end <= row:
-            right, line, right_end, x_right, right_one_over_m = edge_below(
-                screen, corner, polygon, right, -turn, row
-            )
+            right, line, right_end, x_right, right_one_over_m = edge_below(table, i, right, -turn, row)
             for _ in range(line, row):
                 x_right += right_one_over_m
 
@@ -129,16 +123,16 @@ def draw(
 
 @jit
 def edge_below(
-    screen: Array, corner: Ints, polygon: Ints, k: int, turn: int, row: int
+    table: PolygonTable, i: int, k: int, turn: int, row: int
 ) -> tuple[int, int, int, float, float]:
-    """Follow a side down from corner k to the edge that crosses a scan line.
+    """Follow a side of polygon i down from corner k to the edge that crosses a scan line.
 
     Returns its lower corner, its first scan line and the one after its last, x on the first, and 1/m.
     Horizontal edges cross none. The edge exists: a side ends at the lowest corner, which is below all
     scan lines of the polygon.
     """
-    real = screen.dtype.type
-    half = real(0.5)
+    screen, corner, polygon = table.screen, table.corner, table.row[i]
+    half = screen.dtype.type(0.5)
     upper = k
     edge_end = row
     while edge_end <= row:
@@ -152,4 +146,4 @@ def edge_below(
     x, y = screen[corner[upper], 0], screen[corner[upper], 1]
     one_over_m = (screen[corner[k], 0] - x) / (screen[corner[k], 1] - y)
     line = max(math.ceil(y - half), 0)
-    return k, line, edge_end, x + (real(line) + half - y) * one_over_m, one_over_m
+    return k, line, edge_end, x + (screen.dtype.type(line) + half - y) * one_over_m, one_over_m

@@ -14,26 +14,25 @@ import numpy as np
 from hsr.base.arrays import Array, Ints
 from hsr.base.jit import inline_jit
 from hsr.kernels.depth_buffer import Form, span
-from hsr.kernels.polygon_table import FACE, TOP, TURN
+from hsr.kernels.polygon_table import FACE, TOP, TURN, PolygonTable
 from hsr.kernels.scanline import draw, edge_below
 
 
 @inline_jit
 def scan_polygon_directly(
-    screen: Array,
-    corner: Ints,
-    plane: Array,
-    polygon: Ints,
+    table: PolygonTable,
+    i: int,
     lines: tuple[int, int],
     buffers: tuple[Array, Ints],
     form: Form | None,
     counts: Array | None,
 ) -> None:
     """Scan convert one polygon within some scan lines; see :func:`hsr.kernels.scanline.scan_polygon`."""
+    screen, corner = table.screen, table.corner
     real = screen.dtype.type
     half = real(0.5)
-    A, B, C = plane[0], plane[1], plane[2]
-    face, top, turn = polygon[FACE], polygon[TOP], polygon[TURN]
+    A, B, C = table.plane[i, 0], table.plane[i, 1], table.plane[i, 2]
+    face, top, turn = table.row[i, FACE], table.row[i, TOP], table.row[i, TURN]
     x_top, y_top, z_top = screen[corner[top], 0], screen[corner[top], 1], screen[corner[top], 2]
     z_x, z_y = -A / C, -B / C
     _, owner = buffers
@@ -42,13 +41,9 @@ def scan_polygon_directly(
     while row < end:
         # Where the edge of a side ends, take the next.
         if left_end <= row:
-            left, left_line, left_end, left_x, left_one_over_m = edge_below(
-                screen, corner, polygon, left, turn, row
-            )
+            left, left_line, left_end, left_x, left_one_over_m = edge_below(table, i, left, turn, row)
         if right_end <= row:
-            right, right_line, right_end, right_x, right_one_over_m = edge_below(
-                screen, corner, polygon, right, -turn, row
-            )
+            right, right_line, right_end, right_x, right_one_over_m = edge_below(table, i, right, -turn, row)
 
         # Find the span between the sides, and the depth of each of its samples.
         x_left = left_x + real(row - left_line) * left_one_over_m

@@ -14,7 +14,7 @@ import numpy as np
 from hsr.base.arrays import Array, Ints
 from hsr.base.jit import parallel_jit, prange
 from hsr.kernels.depth_buffer import Form, farthest
-from hsr.kernels.polygon_table import END_LINE, FIRST_LINE
+from hsr.kernels.polygon_table import END_LINE, FIRST_LINE, PolygonTable
 from hsr.kernels.scanline import scan_polygon
 from hsr.kernels.scanline_direct import scan_polygon_directly
 
@@ -29,10 +29,7 @@ GOLDEN = 0.6180339887498949
 
 
 def scan_convert(
-    screen: Array,
-    corner: Ints,
-    plane: Array,
-    table: Ints,
+    table: PolygonTable,
     size: tuple[int, int],
     directly: bool,
     count: bool = False,
@@ -43,15 +40,14 @@ def scan_convert(
 
     Parameters
     ----------
-    screen, corner, plane, table
-        See :func:`hsr.kernels.polygon_table.polygon_table`. The type of ``screen`` is that of all arithmetic.
+    table : PolygonTable
     size : (width, height)
     directly : bool
         Whether sides and depths are evaluated anew, or carried on by increments.
     count : bool
         Whether to count the work, in a kernel compiled for that.
     held : type, optional
-        Of the depth buffer; that of ``screen`` by default.
+        Of the depth buffer; that of the screen coordinates by default.
     form : Form, optional
         A strict test of what floats hold of z by default, in a kernel compiled for that.
 
@@ -64,20 +60,17 @@ def scan_convert(
         Columns SCAN_LINES to PASSED.
     """
     width, height = size
-    buffers = np.empty((height, width), held or screen.dtype), np.empty((height, width), np.int32)
-    polygon, strips = deal_to_strips(table, height)
+    buffers = np.empty((height, width), held or table.screen.dtype), np.empty((height, width), np.int32)
+    polygon, strips = deal_to_strips(table.row, height)
     counts = np.zeros((len(strips), 4), np.int64) if count else None
     straight = True if directly else None
-    _scan_convert(screen, corner, plane, table, polygon, strips, straight, buffers, form, counts)
+    _scan_convert(table, polygon, strips, straight, buffers, form, counts)
     return *buffers, None if counts is None else counts.sum(axis=0)
 
 
 @parallel_jit
 def _scan_convert(
-    screen: Array,
-    corner: Ints,
-    plane: Array,
-    table: Ints,
+    table: PolygonTable,
     polygon: Ints,
     strips: Array,
     directly: bool | None,
@@ -92,21 +85,21 @@ def _scan_convert(
         owner[start:end] = -1
         own = None if counts is None else counts[k]
         for i in polygon[strips[k, 1] : strips[k, 2]]:
-            lines = max(table[i, FIRST_LINE], start), min(table[i, END_LINE], end)
+            lines = max(table.row[i, FIRST_LINE], start), min(table.row[i, END_LINE], end)
             # Only one of the ways is compiled.
             if directly is None:
-                scan_polygon(screen, corner, plane[i], table[i], lines, buffers, form, own)
+                scan_polygon(table, i, lines, buffers, form, own)
             else:
-                scan_polygon_directly(screen, corner, plane[i], table[i], lines, buffers, form, own)
+                scan_polygon_directly(table, i, lines, buffers, form, own)
 
 
-def deal_to_strips(table: Ints, height: int) -> tuple[Ints, Array]:
+def deal_to_strips(rows: Ints, height: int) -> tuple[Ints, Array]:
     """List for each strip of the image the polygons that cross it, in their order.
 
     Parameters
     ----------
-    table : (P, columns) int32
-        Polygons; its first two columns are FIRST_LINE and END_LINE.
+    rows : (P, columns) int32
+        Of polygons; the first two columns are FIRST_LINE and END_LINE.
     height : int
 
     Returns
@@ -119,28 +112,28 @@ def deal_to_strips(table: Ints, height: int) -> tuple[Ints, Array]:
     """
     number = np.arange(-(-height // STRIP))
     count = np.zeros((CHUNKS, len(number)), np.int64)
-    _count_by_strip(table, count)
+    _count_by_strip(rows, count)
     # Within a list the chunks follow each other, so that polygons stay in order.
     place = np.concatenate([[0], np.cumsum(count.T)])
     polygon = np.empty(place[-1], np.int32)
     begin, end = place[:-1:CHUNKS], place[CHUNKS::CHUNKS]
-    _list_by_strip(table, place[:-1].reshape(-1, CHUNKS).T.copy(), polygon)
+    _list_by_strip(rows, place[:-1].reshape(-1, CHUNKS).T.copy(), polygon)
     scattered = np.argsort(number * GOLDEN % 1.0)
     return polygon, np.stack([number, begin, end], axis=1)[scattered]
 
 
 @parallel_jit
-def _count_by_strip(table: Ints, count: Array) -> None:
+def _count_by_strip(rows: Ints, count: Array) -> None:
     for chunk in prange(CHUNKS):
-        for i in range(chunk * len(table) // CHUNKS, (chunk + 1) * len(table) // CHUNKS):
-            for strip in range(table[i, FIRST_LINE] // STRIP, -(-table[i, END_LINE] // STRIP)):
+        for i in range(chunk * len(rows) // CHUNKS, (chunk + 1) * len(rows) // CHUNKS):
+            for strip in range(rows[i, FIRST_LINE] // STRIP, -(-rows[i, END_LINE] // STRIP)):
                 count[chunk, strip] += 1
 
 
 @parallel_jit
-def _list_by_strip(table: Ints, place: Array, polygon: Ints) -> None:
+def _list_by_strip(rows: Ints, place: Array, polygon: Ints) -> None:
     for chunk in prange(CHUNKS):
-        for i in range(chunk * len(table) // CHUNKS, (chunk + 1) * len(table) // CHUNKS):
-            for strip in range(table[i, FIRST_LINE] // STRIP, -(-table[i, END_LINE] // STRIP)):
+        for i in range(chunk * len(rows) // CHUNKS, (chunk + 1) * len(rows) // CHUNKS):
+            for strip in range(rows[i, FIRST_LINE] // STRIP, -(-rows[i, END_LINE] // STRIP)):
                 polygon[place[chunk, strip]] = i
                 place[chunk, strip] += 1

@@ -223,9 +223,10 @@ def _drawn(
     """Scan convert each layer of numbered polygons by itself, and yield the number (H, W) at each sample."""
     size, cull = (view.width, view.height), cull_on_screen(polygons.cull, options)
     screen, corner = polygons.vertices, polygons.corner
-    plane, table = polygon_table(screen, corner, polygons.start, number, cull, size)
+    table = polygon_table(screen, corner, polygons.start, number, cull, size)
     for layer in layers:
-        yield scan_convert(screen, corner, plane[layer], table[layer], size, options.directly, **form)[1]
+        some = table._replace(plane=table.plane[layer], row=table.row[layer])
+        yield scan_convert(some, size, options.directly, **form)[1]
 
 
 def _plane(polygons: WorldPolygons, i: int) -> tuple[Fraction, Fraction, Fraction]:

@@ -82,14 +82,13 @@ def test_vertex_snapping_is_named(truth: VisibilityMap, monkeypatch: pytest.Monk
 def test_the_fill_rule_is_named(truth: VisibilityMap, monkeypatch: pytest.MonkeyPatch) -> None:
     """The pixel corner in place of the pixel centre, for all polygons alike."""
     shift = np.array([0.5, 0.5, 0.0])
-    for name in ("polygon_table", "scan_convert"):
-        honest = getattr(algorithm, name)
+    honest = algorithm.polygon_table
 
-        def shifted(screen: Any, *given: Any, honest: Any = honest, **more: Any) -> Any:
-            return honest(screen + shift, *given, **more)
+    def shifted(screen: Any, *given: Any) -> Any:
+        return honest(screen + shift, *given)
 
-        for module in (algorithm, models):
-            monkeypatch.setattr(module, name, shifted)
+    for module in (algorithm, models):
+        monkeypatch.setattr(module, "polygon_table", shifted)
     found = named(soup(), "scanline", truth)
     assert set(found.counts) <= {"fill rule", "depth arithmetic"}
     assert found.counts["fill rule"] > 0.9 * found.wrong > 0
@@ -98,7 +97,7 @@ def test_the_fill_rule_is_named(truth: VisibilityMap, monkeypatch: pytest.Monkey
 def test_depth_arithmetic_is_named(truth: VisibilityMap, monkeypatch: pytest.MonkeyPatch) -> None:
     """Slopes of depth that are off: planes turn about their topmost corners."""
     steeper = np.array([1.5, 1.5, 1.0])
-    in_both(monkeypatch, "polygon_table", lambda found: (steeper * found[0], found[1]))
+    in_both(monkeypatch, "polygon_table", lambda found: found._replace(plane=steeper * found.plane))
     found = named(soup(), "scanline", truth)
     assert found.counts == {"depth arithmetic": found.wrong} and found.wrong > 0
 

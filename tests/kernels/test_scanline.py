@@ -41,8 +41,8 @@ def draw(
     start = np.cumsum([0, *map(len, loops)]).astype(np.int32)
     face = np.arange(len(loops), dtype=np.int32)
     culls = np.full(len(loops), cull, np.int8)
-    plane, table = polygon_table.polygon_table(screen, corner, start, face, culls, size)
-    z, owner, counts = strips.scan_convert(screen, corner, plane, table, size, directly, True, held, form)
+    table = polygon_table.polygon_table(screen, corner, start, face, culls, size)
+    z, owner, counts = strips.scan_convert(table, size, directly, True, held, form)
     assert counts is not None
     return z, owner, counts
 
@@ -247,7 +247,7 @@ def test_slopes_are_the_plane_equation(turned: bool) -> None:
         z_y = (dz2 * (bx - ax) - dz1 * (cx - ax)) / area
         screen = np.column_stack([xy, z]).astype(float)[:: -1 if turned else 1].copy()
         args = (np.arange(3, dtype=np.int32), np.array([0, 3], np.int32), np.zeros(1, np.int32))
-        plane, _ = polygon_table.polygon_table(screen, *args, np.zeros(1, np.int8), (64, 64))
+        plane = polygon_table.polygon_table(screen, *args, np.zeros(1, np.int8), (64, 64)).plane
         A, B, C = plane[0]
         assert pytest.approx((float(z_x), float(z_y)), rel=4 * ULP) == (-A / C, -B / C)
 
@@ -403,7 +403,7 @@ def test_fates_of_polygons() -> None:
     corner = np.array([k for loop in loops for k in loop], np.int32)
     start = np.cumsum([0, *map(len, loops)]).astype(np.int32)
     cull = np.full(5, CULL_BACK, np.int8)
-    _, table = polygon_table.polygon_table(screen, corner, start, np.arange(5, dtype=np.int32), cull, (8, 8))
+    table = polygon_table.polygon_table(screen, corner, start, np.arange(5, dtype=np.int32), cull, (8, 8)).row
     fates = [DRAWN, CULLED, EDGE_ON, MISSED, CLIPPED]
     assert table[:, polygon_table.FATE].tolist() == fates
 
@@ -428,7 +428,7 @@ def test_strips_leave_no_trace(real: type) -> None:
     height = 3 * strips.STRIP + 5
     corners = np.array([(0.3, 0.1, 0.2), (11.7, 0.1, 0.8), (4.9, height - 0.3, 0.4)], real)
     loop = (np.arange(3, dtype=np.int32), np.array([0, 3], np.int32), np.zeros(1, np.int32))
-    ((A, B, C),), _ = polygon_table.polygon_table(corners, *loop, np.zeros(1, np.int8), (12, height))
+    ((A, B, C),) = polygon_table.polygon_table(corners, *loop, np.zeros(1, np.int8), (12, height)).plane
     z_x, z_y = -A / C, -B / C
     z, owner, _ = draw(corners.tolist(), [[0, 1, 2]], (12, height), False, real)
     (x0, y0, z0), (x2, y2, _) = corners[0], corners[2]

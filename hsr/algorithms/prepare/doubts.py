@@ -9,13 +9,13 @@ import numpy as np
 
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.certify import resolve
-from hsr.kernels.zbuffer import fill, settle
+from hsr.kernels.zbuffer import fill
 from hsr.kernels.zbuffer.setup import Eye, nearness_at
 from hsr.kernels.zbuffer.tiles import COUNTS
 from hsr.problem.map import depth_format
 from hsr.problem.view import View
 
-NO_DOUBTS = np.empty(0, settle.DOUBT)
+NO_DOUBTS = np.empty(0, fill.DOUBT)
 
 
 def filled(
@@ -36,9 +36,9 @@ def filled(
     """
     while len(todo):
         counts = np.zeros((len(todo), COUNTS), np.int64)
-        noted = np.empty((len(todo), room), settle.DOUBT) if certified else None
+        noted = np.empty((len(todo), room), fill.DOUBT) if certified else None
         fill_tiles(todo, noted, counts)
-        used = counts[:, settle.USED].tolist()
+        used = counts[:, fill.USED].tolist()
         parts = [] if noted is None else [noted[k, :n] for k, n in enumerate(used) if 0 < n <= room]
         again = [k for k, n in enumerate(used) if n > room]
         counts[again] = 0

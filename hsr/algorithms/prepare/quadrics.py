@@ -18,8 +18,9 @@ import numpy as np
 from hsr.algorithms.prepare.behind_eye import w_at_depth_1
 from hsr.base.arrays import Array, Floats
 from hsr.certify import sights_at
+from hsr.kernels.culling import CULL_BACK, CULL_FRONT
 from hsr.kernels.raytiles.curved import QUADRIC
-from hsr.kernels.zbuffer.setup import ANYWHERE, CULL_BACK, CULL_FRONT, SMALL, Eye
+from hsr.kernels.zbuffer.setup import ANYWHERE, SMALL, Eye
 from hsr.problem.view import View
 from hsr.scene.shapes import Quadric
 
@@ -84,11 +85,8 @@ def _set_up(one: Any, sight: _Sight, solid: Quadric, discs: int) -> None:
     width, height = int(one["right"] - one["left"]), int(one["bottom"] - one["top"])
     affine = np.array([1, width, height], object)
     square = np.array([1, width, height, width**2, width * height, height**2], object)
-    size_l, size_m, size_r = (
-        abs(l[_AFFINE]) @ affine,
-        abs(_coefficients(m)) @ square,
-        abs(_coefficients(r)) @ square,
-    )
+    size_l = abs(l[_AFFINE]) @ affine
+    size_m, size_r = (abs(_coefficients(form)) @ square for form in (m, r))
     # L and the root of R are compared with each other: divide by the larger one.
     common = max(size_l, isqrt(size_r)) or size_m or 1
     if max(abs(k), size_m) < common << 400:

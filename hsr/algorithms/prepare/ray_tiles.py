@@ -284,7 +284,7 @@ class Caster(NamedTuple):
     rows: Floats
     eye: Eye
     certified: bool
-    image: casting.Image
+    image: fill.Image
 
 
 def _cast(caster: Caster, room: Room) -> tuple[Array, Array]:

@@ -24,14 +24,12 @@ from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.jit import jit, parallel_jit, prange
 from hsr.kernels.hierarchy import INNER, STACK
 from hsr.kernels.raytiles.curved import cast_into_quadric
-from hsr.kernels.zbuffer.fill import EMPTY, Window, depth_gap, depth_mask, gap_of
-from hsr.kernels.zbuffer.settle import settle
+from hsr.kernels.zbuffer.fill import Image, Tile, depth_gap
 from hsr.kernels.zbuffer.setup import (
     CLUSTER,
     CULL,
     ERROR,
     GATHERED,
-    LANES,
     NEARNESS,
     NUMBER,
     PRECISE,
@@ -52,14 +50,17 @@ from hsr.kernels.zbuffer.tiles import (
     LINES,
     cells_of,
     draw_table,
+    empty_tile,
     farthest_in,
+    finish,
     is_hidden,
     reach_box,
-    show,
+    tile_of,
+    touch,
 )
 
 NODES, EXTENTS = 2, 3
-"""Columns of the counts of a tile, after those of its window: nodes visited, and objects looked at."""
+"""Further columns of the counts of a tile: nodes visited, and objects looked at."""
 
 COUNTS = 4
 
@@ -103,9 +104,6 @@ Kept = tuple[Array, Floats]
 """Keys (rows, columns, LINES, COLUMNS + LANES) int64 of all tiles, and the farthest key depth of each of
 their cells (rows, columns, cells down, cells across)."""
 
-Image = tuple[Ints, Ints, Floats]
-"""The face (pieces,) of each piece; face and depth (H, W) of the image."""
-
 Laid = tuple[Array, Floats, Floats, Floats]
 """A batch: members (m,) MEMBER, nearest first, and their extents (m, 5): first and end column, first and end
 line, and a bound of the least key depth; projected vertices (v, 4), see ``tiles.lay_out``; the extents
@@ -130,12 +128,10 @@ def reach_objects(box: Floats, rows: Floats, eye: Eye, extent: Floats) -> None:
         Receives first and end column, first and end line, and a bound of the least key depth.
     """
     for k in range(len(box)):
-        low, high = box[k, 0], box[k, 1]
-        left, right, top, bottom, nearest = reach_box(
-            (low[0], low[1], low[2]), (high[0], high[1], high[2]), entries(rows[k]), eye
-        )
-        extent[k, 0], extent[k, 1], extent[k, 2], extent[k, 3] = left, right, top, bottom
-        extent[k, 4] = nearest
+        low, high = (box[k, 0, 0], box[k, 0, 1], box[k, 0, 2]), (box[k, 1, 0], box[k, 1, 1], box[k, 1, 2])
+        reached = reach_box(low, high, entries(rows[k]), eye)
+        for part in range(5):
+            extent[k, part] = reached[part]
 
 
 @jit
@@ -282,78 +278,52 @@ def cast(
     """
     for k in prange(len(todo)):
         room = None if doubts is None else doubts[k]
-        chosen = listed[todo[k, 2] : todo[k, 3]]
-        cast_tile(shapes, laid, special, chosen, todo[k], eye, kept, image, room, counts[k])
+        tile = tile_before(todo[k, 0], todo[k, 1], kept, image, eye)
+        cast_tile(shapes, laid, special[0], listed[todo[k, 2] : todo[k, 3]], tile, eye, room, counts[k])
+        finish(tile, special[1], image, eye, room, counts[k])
+        if kept is not None:
+            # Note for the next batch how far the tile shows.
+            for row, column in np.argwhere(tile.drawn):
+                tile.farthest[row, column] = farthest_in(tile.keys, row * CELL, column * CELL)
+
+
+@jit
+def tile_before(row: int, column: int, kept: Kept | None, image: Image, eye: Eye) -> Tile:
+    """Return a tile of the image as earlier batches left it."""
+    if kept is None:
+        return empty_tile(row, column, image, eye)
+    keys, farthest = kept[0][row, column], kept[1][row, column]
+    return tile_of(row, column, keys, farthest, image[1].shape[1], len(image[0]), eye)
 
 
 @jit
 def cast_tile(
     shapes: Shapes,
     laid: Laid,
-    special: tuple[Array, Floats],
+    quadrics: Array,
     listed: Ints,
-    tile: Array,
+    tile: Tile,
     eye: Eye,
-    kept: Kept | None,
-    image: Image,
     doubts: Array | None,
     counts: Array,
 ) -> None:
-    """Cast the rays of one tile into the listed members and all crossing triangles."""
-    # Start with what the tile shows, or empty keys.
-    quadrics, crossing = special
-    faces, face, depth = image
-    mask = depth_mask(len(faces))
-    line, column = tile[0] * LINES, tile[1] * COLUMNS
-    window = Window(line, column, face.shape[1], mask, gap_of(mask, eye.tie))
-    if kept is None:
-        lines, columns = min(LINES, face.shape[0] - line), min(COLUMNS, face.shape[1] - column)
-        keys = np.full((lines, columns + LANES), EMPTY, np.int64)
-        farthest = np.full((LINES // CELL, COLUMNS // CELL), np.inf)
-    else:
-        keys, farthest = kept[0][tile[0], tile[1]], kept[1][tile[0], tile[1]]
-    stale, drawn = np.zeros(farthest.shape, np.bool_), np.zeros(farthest.shape, np.bool_)
+    """Cast the rays of one tile into the listed members, nearest first, but for the hidden ones."""
     members, extent = laid[0], laid[1]
-
-    # Go through the objects, nearest first, but for the hidden ones.
     for m in listed:
         counts[EXTENTS] += 1
-        cells = cells_of(extent[m, 0], extent[m, 1], extent[m, 2], extent[m, 3], keys, window)
-        if is_hidden(extent[m, 4] - depth_gap(window.gap), cells, keys, farthest, stale):
+        cells = cells_of(extent[m, 0], extent[m, 1], extent[m, 2], extent[m, 3], tile)
+        if is_hidden(extent[m, 4], cells, tile):
             continue
         if members[m]["quadric"] == NO_QUADRIC:
-            cast_into_mesh(shapes, laid, members[m], keys, window, eye, farthest, stale, doubts, counts)
+            cast_into_mesh(shapes, laid, members[m], tile, eye, doubts, counts)
         else:
-            cast_into_quadric(quadrics[members[m]["quadric"]], keys, window, eye, doubts, counts)
-            stale[cells[0] : cells[1], cells[2] : cells[3]] = True
-        drawn[cells[0] : cells[1], cells[2] : cells[3]] = True
-
-    # Test what no hierarchy has, and read the answer out.
-    drawn[:] |= len(crossing) > 0
-    for t in range(len(crossing)):
-        draw_table(crossing[t], CLUSTER, keys, window, eye, farthest, doubts, counts)
-    if doubts is not None:
-        settle(keys, window, doubts, counts)
-    show(keys, window, drawn, faces, eye, face, depth)
-
-    # Note for the next batch how far the tile shows.
-    if kept is not None:
-        for row, place in np.argwhere(drawn):
-            farthest[row, place] = farthest_in(keys, row * CELL, place * CELL)
+            cast_into_quadric(quadrics[members[m]["quadric"]], tile, eye, doubts, counts)
+            touch(tile, cells)
 
 
 @jit
 def cast_into_mesh(
-    shapes: Shapes,
-    laid: Laid,
-    member: Any,
-    keys: Array,
-    window: Window,
-    eye: Eye,
-    farthest: Floats,
-    stale: Array,
-    doubts: Array | None,
-    counts: Array,
+    shapes: Shapes, laid: Laid, member: Any, tile: Tile, eye: Eye, doubts: Array | None, counts: Array
 ) -> None:
     """Walk the rays of a tile through the hierarchy of a mesh, the nearer child first."""
     _, corner, number, tree = shapes
@@ -368,8 +338,8 @@ def cast_into_mesh(
         k = stack[waiting]
         counts[NODES] += 1
         here = to_extent + k
-        cells = cells_of(extent[here, 0], extent[here, 1], extent[here, 2], extent[here, 3], keys, window)
-        if is_hidden(extent[here, 4] - depth_gap(window.gap), cells, keys, farthest, stale):
+        cells = cells_of(extent[here, 0], extent[here, 1], extent[here, 2], extent[here, 3], tile)
+        if is_hidden(extent[here, 4], cells, tile):
             continue
 
         # Go on to its children, or draw its triangles.
@@ -382,8 +352,8 @@ def cast_into_mesh(
         else:
             gather_leaf(screen, corner, number, member, start + first, count, table)
             set_up(table, count, eye)
-            draw_table(table, count, keys, window, eye, farthest, doubts, counts)
-            stale[cells[0] : cells[1], cells[2] : cells[3]] = True
+            draw_table(table, count, tile, eye, doubts, counts)
+            touch(tile, cells)
 
 
 @jit

@@ -26,19 +26,9 @@ import numpy as np
 
 from hsr.base.arrays import Array, Floats
 from hsr.base.jit import jit
-from hsr.kernels.zbuffer.fill import TRIANGLES, Box, Window, key_of
-from hsr.kernels.zbuffer.settle import is_farther, write
-from hsr.kernels.zbuffer.setup import (
-    ANYWHERE,
-    CULL_BACK,
-    CULL_FRONT,
-    FARTHEST,
-    LANES,
-    Eye,
-    U,
-    key_depth,
-    nearness_error,
-)
+from hsr.kernels.culling import CULL_BACK, CULL_FRONT
+from hsr.kernels.zbuffer.fill import TRIANGLES, Box, Tile, is_farther, key_of, write
+from hsr.kernels.zbuffer.setup import ANYWHERE, FARTHEST, LANES, Eye, U, key_depth, nearness_error
 
 QUADRIC = np.dtype(
     [
@@ -215,50 +205,43 @@ def key_hit(hit: Hit, eye: Eye) -> Hit:
 
 
 @jit
-def cast_into_quadric(
-    thing: Any, keys: Array, window: Window, eye: Eye, doubts: Array | None, counts: Array
-) -> None:
-    """Meet a round solid, a ``QUADRIC``, with every ray of a window that it may cover.
+def cast_into_quadric(thing: Any, tile: Tile, eye: Eye, doubts: Array | None, counts: Array) -> None:
+    """Meet a round solid, a ``QUADRIC``, with every ray of a tile that it may cover.
 
     Parameters
     ----------
     thing : QUADRIC
-    keys : (lines, columns + LANES) int64
-    window : Window
+    tile : Tile
     eye : Eye
     doubts : (room,) DOUBT or None
         None leaves doubts alone: what is undecided goes to the side it seems to be on.
     counts : (COUNTS,) int64
     """
     counts[TRIANGLES] += 1
-    doubtful = fill(thing, keys, window, eye, None if doubts is None else True)
+    doubtful = fill(thing, tile, eye, None if doubts is None else True)
     if doubts is not None and doubtful:
-        note(thing, keys, window, eye, doubts, counts)
+        note(thing, tile, eye, doubts, counts)
 
 
 @jit
-def box_of(thing: Any, keys: Array, window: Window) -> Box:
-    """Return the samples of the image that are in a window and may be covered."""
-    end_line, end_column = window.line + len(keys), window.column + keys.shape[1] - LANES
-    return (
-        max(thing["top"], window.line),
-        min(thing["bottom"], end_line),
-        max(thing["left"], window.column),
-        min(thing["right"], end_column),
-    )
+def box_of(thing: Any, tile: Tile) -> Box:
+    """Return the samples of the image that are in a tile and may be covered."""
+    end_line, end_column = tile.line + len(tile.keys), tile.column + tile.keys.shape[1] - LANES
+    first_line, first_column = max(thing["top"], tile.line), max(thing["left"], tile.column)
+    return first_line, min(thing["bottom"], end_line), first_column, min(thing["right"], end_column)
 
 
 @jit
-def fill(thing: Any, keys: Array, window: Window, eye: Eye, certify: bool | None) -> bool:
+def fill(thing: Any, tile: Tile, eye: Eye, certify: bool | None) -> bool:
     """Take into the keys the hits that are certain, and certainly nearer; return whether there are doubts.
 
     Without certification, a hit counts if it seems to.
     """
-    least_margin, gap = (0.0, 0) if certify is None else (1.0, window.gap)
+    least_margin, gap = (0.0, 0) if certify is None else (1.0, tile.gap)
     doubtful = False
-    first_line, end_line, first, end = box_of(thing, keys, window)
+    first_line, end_line, first, end = box_of(thing, tile)
     for line in range(first_line, end_line):
-        here = keys[line - window.line]
+        here = tile.keys[line - tile.line]
         for column in range(first, end):
             hits = hits_of(thing, float(column - thing["left"]), float(line - thing["top"]))
             for k in range(4):
@@ -266,9 +249,9 @@ def fill(thing: Any, keys: Array, window: Window, eye: Eye, certify: bool | None
                     continue
                 z, _, margin = key_hit(hits[k], eye)
                 if margin >= least_margin:
-                    key, old = key_of(z, window.mask, piece_of(thing, k)), here[column - window.column]
+                    key, old = key_of(z, tile.mask, piece_of(thing, k)), here[column - tile.column]
                     if old - key > gap:
-                        here[column - window.column] = key
+                        here[column - tile.column] = key
                     else:
                         doubtful |= key != old and old - key >= -gap
                 else:
@@ -277,23 +260,23 @@ def fill(thing: Any, keys: Array, window: Window, eye: Eye, certify: bool | None
 
 
 @jit
-def note(thing: Any, keys: Array, window: Window, eye: Eye, doubts: Array, counts: Array) -> None:
+def note(thing: Any, tile: Tile, eye: Eye, doubts: Array, counts: Array) -> None:
     """Write down the doubts of a solid that has just been taken into the keys."""
-    first_line, end_line, first, end = box_of(thing, keys, window)
+    first_line, end_line, first, end = box_of(thing, tile)
     for line in range(first_line, end_line):
         for column in range(first, end):
             hits = hits_of(thing, float(column - thing["left"]), float(line - thing["top"]))
-            sample, old = line * window.width + column, keys[line - window.line, column - window.column]
+            sample, old = line * tile.width + column, tile.keys[line - tile.line, column - tile.column]
             for k in range(4):
                 if hits[k].margin <= -1.0:
                     continue
                 z, error, margin = key_hit(hits[k], eye)
                 if margin >= 1.0:
-                    key = key_of(z, window.mask, piece_of(thing, k))
-                    if key != old and abs(old - key) <= window.gap:
+                    key = key_of(z, tile.mask, piece_of(thing, k))
+                    if key != old and abs(old - key) <= tile.gap:
                         write(doubts, counts, sample, key, True)
                 elif not margin <= -1.0:
                     nearest = min(max(z - error, 1.0), FARTHEST)
-                    key = key_of(nearest, window.mask, piece_of(thing, k))
-                    if not is_farther(key, old, window.gap):
+                    key = key_of(nearest, tile.mask, piece_of(thing, k))
+                    if not is_farther(key, old, tile.gap):
                         write(doubts, counts, sample, key, False)

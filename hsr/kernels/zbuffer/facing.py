@@ -21,7 +21,8 @@ import numpy as np
 
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.jit import jit, parallel_jit, prange
-from hsr.kernels.zbuffer.setup import CLUSTER, CULL_BACK, CULL_FRONT, U
+from hsr.kernels.culling import CULL_BACK, CULL_FRONT
+from hsr.kernels.zbuffer.setup import CLUSTER, U
 
 MODEST = 2.0**200
 """Entries of matrices above this leave all sides uncertain: products of three stay far from overflow."""
@@ -50,10 +51,8 @@ def normal_boxes(vertices: Floats, corner: Ints, slack: Floats, low: Floats, hig
         for axis in range(3):
             low[axis, k], high[axis, k] = np.inf, -np.inf
         for i in range(k * CLUSTER, min((k + 1) * CLUSTER, len(corner))):
-            one, other = (
-                side_of(vertices, corner[i, 0], corner[i, 1]),
-                side_of(vertices, corner[i, 0], corner[i, 2]),
-            )
+            one = side_of(vertices, corner[i, 0], corner[i, 1])
+            other = side_of(vertices, corner[i, 0], corner[i, 2])
             normal, _ = cross(one, other)
 
             # With sides of at most u and v in any coordinate and s the slack, a coordinate of the normal, a
@@ -172,12 +171,8 @@ def leave_out(
         for axis in range(3):
             low, high = boxes[0][axis, k], boxes[1][axis, k]
             size = max(abs(low), abs(high)) + slack[axis]
-            error = (
-                abs(det) * slack[axis]
-                + off[3] * size
-                + off[axis]
-                + 4.0 * U * (abs(det) * size + abs(along[axis]))
-            )
+            error = abs(det) * slack[axis] + off[3] * size + off[axis]
+            error += 4.0 * U * (abs(det) * size + abs(along[axis]))
             one, other = det * low + along[axis], det * high + along[axis]
             near, far = min(one, other) - error, max(one, other) + error
             n, m = normals[0][axis, k], normals[1][axis, k]

@@ -1,11 +1,14 @@
-"""Depth buffers of keys: where triangles certainly are, the nearest, and its reading out.
+"""Depth buffers of keys: where triangles certainly are, the nearest; what is in doubt; their reading out.
 
 Depth and owner of a sample share one integer of 63 bits, the *key*: depth in the upper bits, the number of
 the triangle in the lower ones. The nearest triangle has the least key, and one minimum does the depth test
 and both writes. Sixteen samples of a scan line are tested at once.
 
-What float64 cannot decide is not decided here: only certain coverage enters the keys, and the rest is
-noted and settled afterwards (:mod:`hsr.kernels.zbuffer.settle`).
+What float64 cannot decide is not decided here: only certain coverage enters the keys. A sample on an edge,
+within the error of the edge functions, or two depths within their error, is a *doubt*: every triangle that
+might own the sample is noted, unless something certain is certainly nearer. When all is drawn, the doubts are
+settled: at a sample without any the key is right, and at one with some the owner is among what was noted. The
+order in which triangles come leaves no trace.
 """
 
 from __future__ import annotations
@@ -14,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hsr.base.arrays import Array, Floats
+from hsr.base.arrays import Array, Bools, Floats, Ints
 from hsr.base.jit import inline_jit, jit
 from hsr.kernels.zbuffer.setup import (
     ACROSS0,
@@ -32,6 +35,7 @@ from hsr.kernels.zbuffer.setup import (
     E2,
     LANES,
     LEFT,
+    NEAREST,
     NUMBER,
     RIGHT,
     TOP,
@@ -54,24 +58,28 @@ ONE = np.float64(1.0).view(np.int64)
 WIDE = 3 * LANES
 """From this width on, the samples of a scan line that a triangle can cover are worked out first."""
 
-TRIANGLES = 1
-"""Column of the counts: triangles drawn."""
+DOUBT = np.dtype([("sample", np.int64), ("key", np.int64), ("sure", np.bool_)])
+"""A triangle that may own a sample, by its key; whether it certainly covers it."""
+
+USED, TRIANGLES = 0, 1
+"""Columns of the counts of a tile: doubts noted, whether or not there was room; triangles drawn."""
+
+Image = tuple[Ints, Ints, Floats]
+"""The face (n,) int32 of each triangle or piece; face (H, W) int32 and depth (H, W) float64 of the image."""
 
 OnLine = tuple[float, float, float, float, float, float, float, float]
 """A triangle on a scan line: three edge functions and the key depth at the first sample of its bounding box,
 each with its growth from sample to sample."""
 
 Box = tuple[int, int, int, int]
-"""First and end line, first and end column of some samples of a window."""
+"""First and end line, first and end column of some samples."""
 
 Limits = tuple[float, float, float]
 """Key depths of near and far, and what makes their errors those of an edge function."""
 
 
-class Window(NamedTuple):
-    """A part of the image, and how its keys are made.
-
-    Its keys are (lines, columns + LANES) int64; those beyond the last column are not used.
+class Tile(NamedTuple):
+    """A part of the image that is being drawn.
 
     Attributes
     ----------
@@ -83,6 +91,12 @@ class Window(NamedTuple):
         The bits of a key that are depth.
     gap : int
         By how much keys differ at most whose depths may be equal.
+    keys : (lines, columns + LANES) int64
+        Those beyond the last column are not used.
+    farthest : (cells down, cells across) float64
+        The farthest key depth that a cell was known to show.
+    stale, drawn : (cells down, cells across) bool
+        Whether a cell was drawn to since then, and whether it was at all.
     """
 
     line: int
@@ -90,6 +104,10 @@ class Window(NamedTuple):
     width: int
     mask: int
     gap: int
+    keys: Array
+    farthest: Floats
+    stale: Bools
+    drawn: Bools
 
 
 # ---------------------------------------------------------------- keys
@@ -144,18 +162,15 @@ def limits_of(table: Floats, i: int, eye: Eye) -> Limits:
 
 
 @inline_jit
-def fill(
-    table: Floats, i: int, keys: Array, window: Window, limits: Limits | None, certify: bool | None
-) -> bool:
-    """Take a triangle into the keys of a window: where it is certainly inside, and certainly nearer.
+def fill(table: Floats, i: int, tile: Tile, limits: Limits | None, certify: bool | None) -> bool:
+    """Take a triangle into the keys of a tile: where it is certainly inside, and certainly nearer.
 
     Parameters
     ----------
     table : (TABLE,) float64
     i : int
         Its place in the table.
-    keys : (lines, columns + LANES) int64
-    window : Window
+    tile : Tile
     limits : Limits or None
         Of its depth, if it may be cut.
     certify : bool or None
@@ -164,17 +179,17 @@ def fill(
     Returns
     -------
     bool
-        Whether it has doubts, see :func:`hsr.kernels.zbuffer.settle.note`.
+        Whether it has doubts, see :func:`note`.
     """
     left, top = int(table[LEFT + i]), int(table[TOP + i])
-    begin, end = columns_of(table, i, keys, window)
+    begin, end = columns_of(table, i, tile)
     bound = 0.0 if certify is None else table[BOUND + i]
-    gap = np.int64(0) if certify is None else window.gap
-    mask, number, doubtful = window.mask, int(table[NUMBER + i]), False
-    for line in range(max(top, window.line), min(int(table[BOTTOM + i]), window.line + len(keys))):
+    gap = np.int64(0) if certify is None else tile.gap
+    mask, number, doubtful = tile.mask, int(table[NUMBER + i]), False
+    for line in lines_of(table, i, tile):
         # Find the part of the line that the triangle can cover.
         row = row_of(table, i, float(line - top))
-        here = keys[line - window.line]
+        here = tile.keys[line - tile.line]
         first, last = begin, end
         if end - begin > WIDE:
             first, last = span_of(row, bound, left, begin, end)
@@ -185,7 +200,7 @@ def fill(
             for lane in range(LANES):
                 inner, z = at(row, float(start - left + lane), limits)
                 key = key_of(z, mask, number)
-                place = np.uintp(start - window.column + lane)
+                place = np.uintp(start - tile.column + lane)
                 old = here[place]
                 inside, nearer_by = inner >= bound, old - key
                 here[place] = key if inside & (nearer_by > gap) else old
@@ -196,10 +211,17 @@ def fill(
 
 
 @jit
-def columns_of(table: Floats, i: int, keys: Array, window: Window) -> tuple[int, int]:
-    """Return the first column of a window that a triangle may cover, and the one after the last."""
-    end = window.column + keys.shape[1] - LANES
-    return max(int(table[LEFT + i]), window.column), min(int(table[RIGHT + i]), end)
+def lines_of(table: Floats, i: int, tile: Tile) -> range:
+    """Return the lines of a tile that a triangle may cover."""
+    end = tile.line + len(tile.keys)
+    return range(max(int(table[TOP + i]), tile.line), min(int(table[BOTTOM + i]), end))
+
+
+@jit
+def columns_of(table: Floats, i: int, tile: Tile) -> tuple[int, int]:
+    """Return the first column of a tile that a triangle may cover, and the one after the last."""
+    end = tile.column + tile.keys.shape[1] - LANES
+    return max(int(table[LEFT + i]), tile.column), min(int(table[RIGHT + i]), end)
 
 
 @jit
@@ -245,44 +267,117 @@ def span_of(row: OnLine, bound: float, left: int, begin: int, end: int) -> tuple
     return left + int(low), left + int(max(high, low))
 
 
+# ---------------------------------------------------------------- doubts
+
+
+@jit
+def note(table: Floats, i: int, tile: Tile, limits: Limits | None, doubts: Array, counts: Array) -> None:
+    """Note the doubts of a triangle that has just been taken into the keys.
+
+    What it ties with need not be written down: either the keys still show it in the end, see :func:`settle`,
+    or it is certainly hidden.
+    """
+    left, top, bound = int(table[LEFT + i]), int(table[TOP + i]), table[BOUND + i]
+    begin, end = columns_of(table, i, tile)
+    gap, number = tile.gap, int(table[NUMBER + i])
+    for line in lines_of(table, i, tile):
+        row = row_of(table, i, float(line - top))
+        for column in range(begin, end):
+            inner, z = at(row, float(column - left), limits)
+            key, old = key_of(z, tile.mask, number), tile.keys[line - tile.line, column - tile.column]
+            sample = line * tile.width + column
+
+            # Note an edge that rounding decides, and a depth that may be equal to what is shown.
+            if abs(inner) < bound:
+                if not is_farther(key, old, gap):
+                    write(doubts, counts, sample, key, False)
+            elif inner >= bound and key != old and abs(old - key) <= gap:
+                write(doubts, counts, sample, key, True)
+
+
+@jit
+def suspect(table: Floats, i: int, tile: Tile, doubts: Array, counts: Array) -> None:
+    """Note a triangle of which little is certain wherever it may be.
+
+    It may be turned either way, and is taken to be as near as its nearest corner.
+    """
+    left, top, bound = int(table[LEFT + i]), int(table[TOP + i]), table[BOUND + i]
+    begin, end = columns_of(table, i, tile)
+    key = key_of(max(table[NEAREST + i], 1.0), tile.mask, int(table[NUMBER + i]))
+    for line in lines_of(table, i, tile):
+        row = row_of(table, i, float(line - top))
+        for column in range(begin, end):
+            right = float(column - left)
+            e0, e1, e2 = row[0] + right * row[1], row[2] + right * row[3], row[4] + right * row[5]
+            may_cover = min(min(e0, e1), e2) > -bound or max(max(e0, e1), e2) < bound
+            old = tile.keys[line - tile.line, column - tile.column]
+            if may_cover and not is_farther(key, old, tile.gap):
+                write(doubts, counts, line * tile.width + column, key, False)
+
+
+@jit
+def is_farther(key: int, old: int, gap: int) -> bool:
+    """Whether a key is certainly farther than what is there."""
+    return bool(key - old > gap)
+
+
+@jit
+def write(doubts: Array, counts: Array, sample: int, key: int, sure: bool) -> None:
+    """Note one doubt, if there is room."""
+    if counts[USED] < len(doubts):
+        doubt = doubts[counts[USED]]
+        doubt["sample"], doubt["key"], doubt["sure"] = sample, key, sure
+    counts[USED] += 1
+
+
+@jit
+def settle(tile: Tile, doubts: Array, counts: Array) -> None:
+    """Forget doubts about what is certainly hidden; where some are left, add what the keys show."""
+    if counts[USED] > len(doubts):
+        return
+    # Forget what is certainly hidden.
+    kept = 0
+    for k in range(counts[USED]):
+        doubt = doubts[k]
+        line, column = divmod(doubt["sample"], tile.width)
+        if not is_farther(doubt["key"], tile.keys[line - tile.line, column - tile.column], tile.gap):
+            left = doubts[kept]
+            left["sample"], left["key"], left["sure"] = doubt["sample"], doubt["key"], doubt["sure"]
+            kept += 1
+    counts[USED] = kept
+
+    # Add what is shown wherever a doubt is left: it is a candidate, too.
+    for k in range(kept):
+        sample = doubts[k]["sample"]
+        line, column = divmod(sample, tile.width)
+        key = tile.keys[line - tile.line, column - tile.column]
+        if key != EMPTY:
+            write(doubts, counts, sample, key, True)
+
+
 # ---------------------------------------------------------------- reading out
 
 
 @jit
-def read_out(
-    keys: Array, window: Window, box: Box, faces: Array, eye: Eye, face: Array, depth: Floats
-) -> None:
-    """Split the keys of a box of samples into faces and depths.
-
-    Parameters
-    ----------
-    keys : (lines, columns + LANES) int64
-    window : Window
-    box : (first line, end line, first column, end column)
-        In the window.
-    faces : (n,) int32
-        Face of each triangle.
-    eye : Eye
-    face : (H, W) int32
-    depth : (H, W) float64
-        Of the image.
-    """
+def read_out(tile: Tile, box: Box, image: Image, eye: Eye) -> None:
+    """Split the keys of a box of samples of a tile into faces and depths of the image."""
     # Depths were cut off below the bits of the mask: on average by half a step. What keys cannot tell from
     # infinity is as far as what is farthest.
-    step, half = 1.0 / eye.scale, 0.5 * (depth_of(int(EMPTY - window.mask)) - 1.0)
-    first, end, left = np.uintp(box[2]), np.uintp(box[3]), np.uintp(window.column)
+    step, half = 1.0 / eye.scale, 0.5 * (depth_of(int(EMPTY - tile.mask)) - 1.0)
+    first, end, left = np.uintp(box[2]), np.uintp(box[3]), np.uintp(tile.column)
+    faces, face, depth = image
     for line in range(box[0], box[1]):
-        here, faces_here, depths_here = keys[line], face[window.line + line], depth[window.line + line]
+        here, faces_here, depths_here = tile.keys[line], face[tile.line + line], depth[tile.line + line]
 
         # Turn keys into depths.
         for column in range(first, end):
             key = here[column]
-            nearness = max(eye.closest - (depth_of(key & window.mask) + half - CLOSEST) * step, eye.farthest)
+            nearness = max(eye.closest - (depth_of(key & tile.mask) + half - CLOSEST) * step, eye.farthest)
             seen = 1.0 / nearness if eye.perspective else -nearness
             depths_here[left + column] = seen if key != EMPTY else np.inf
 
         # Turn keys into faces.
         for column in range(first, end):
             key = here[column]
-            owner = faces[np.uintp(key & ~window.mask)] if key != EMPTY else np.int32(-1)
+            owner = faces[np.uintp(key & ~tile.mask)] if key != EMPTY else np.int32(-1)
             faces_here[left + column] = owner

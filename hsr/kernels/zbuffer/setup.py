@@ -21,6 +21,7 @@ import numpy as np
 
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.jit import jit
+from hsr.kernels.culling import CULL_BACK, CULL_FRONT
 from hsr.kernels.projection import nearness_of
 
 U = 2.0**-53
@@ -89,8 +90,6 @@ TABLE = 35 * CLUSTER
 
 LANES = 16
 """Samples tested at once: up to LANES - 1 to the right of a bounding box are tested with it."""
-
-CULL_BACK, CULL_FRONT = 1, 2
 
 
 class Eye(NamedTuple):
@@ -291,12 +290,8 @@ def projected(px: float, py: float, pz: float, matrix: Matrix, eye: Eye) -> tupl
     error = max(error_x * eye.width, error_y * eye.height)
     behind = eye.perspective & (not d > 2.0 * eye.error_d)
     certain = (error < ANYWHERE) & (not behind)
-    return (
-        (1.0 + x) * 0.5 * eye.width,
-        (1.0 - y) * 0.5 * eye.height,
-        nearness,
-        error if certain else ANYWHERE,
-    )
+    column, row = (1.0 + x) * 0.5 * eye.width, (1.0 - y) * 0.5 * eye.height
+    return column, row, nearness, error if certain else ANYWHERE
 
 
 @jit

@@ -3,8 +3,8 @@
 Triangles come in clusters, neighbours on the surface, and clusters in order of their nearest point. The
 screen is cut into cells, of which the farthest depth is known; a cluster behind all cells that it crosses is
 hidden, and not looked into (Greene, Kass & Miller, "Hierarchical Z-Buffer Visibility", SIGGRAPH 1993). The
-others are drawn triangle by triangle, see :mod:`hsr.kernels.zbuffer.setup`,
-:mod:`hsr.kernels.zbuffer.fill` and :mod:`hsr.kernels.zbuffer.settle`, in this order.
+others are drawn triangle by triangle, see :mod:`hsr.kernels.zbuffer.setup` and
+:mod:`hsr.kernels.zbuffer.fill`, in this order.
 
 The tiles are shared out among threads. Neither their number nor the order of clusters leaves a trace.
 """
@@ -14,21 +14,9 @@ from __future__ import annotations
 import numpy as np
 
 from hsr.base.arrays import Array, Bools, Floats, Ints
-from hsr.base.jit import jit, parallel_jit, prange
-from hsr.kernels.zbuffer.fill import (
-    EMPTY,
-    TRIANGLES,
-    Window,
-    depth_gap,
-    depth_mask,
-    depth_of,
-    fill,
-    gap_of,
-    is_certain,
-    limits_of,
-    read_out,
-)
-from hsr.kernels.zbuffer.settle import note, settle, suspect
+from hsr.base.jit import inline_jit, jit, parallel_jit, prange
+from hsr.kernels.zbuffer import fill
+from hsr.kernels.zbuffer.fill import EMPTY, TRIANGLES, Image, Limits, Tile, depth_gap, depth_of
 from hsr.kernels.zbuffer.setup import (
     BOTTOM,
     CLUSTER,
@@ -68,14 +56,18 @@ SLICES = 2048
 """Of depth, in which things are put in order."""
 
 DRAWN, HIDDEN = 2, 3
-"""Columns of the counts of a tile, after those of its window: clusters looked into, and hidden ones."""
+"""Further columns of the counts of a tile: clusters looked into, and hidden ones."""
 
 COUNTS = 4
 
 Point = tuple[float, float, float]
 
 Cells = tuple[int, int, int, int]
-"""First and end row, first and end column of some cells of a window."""
+"""First and end row, first and end column of some cells of a tile."""
+
+Clustered = tuple[Floats, Ints, Array]
+"""Projected vertices (V, 4) float64; corners (n, 3) int32 and what to cull (n,) int8 of the triangles, see
+:func:`hsr.kernels.zbuffer.setup.gather`."""
 
 
 # ---------------------------------------------------------------- clusters
@@ -270,102 +262,106 @@ def tiles_of(extent: Floats) -> tuple[int, int, int, int]:
 
 @parallel_jit
 def rasterise(
-    triangles: tuple[Floats, Ints, Array, Ints],
+    triangles: Clustered,
     extent: Floats,
     listed: Ints,
-    tiles: Array,
+    todo: Array,
     crossing: Floats,
     eye: Eye,
+    image: Image,
     doubts: Array | None,
     counts: Array,
-    face: Ints,
-    depth: Floats,
 ) -> None:
     """Draw all triangles tile by tile.
 
     Parameters
     ----------
-    triangles : tuple
-        ``screen`` (V, 4) float64, ``corner`` (n, 3) int32 and ``cull`` (n,) int8, see
-        :func:`hsr.kernels.zbuffer.setup.set_up`; ``faces`` (n,) int32, the face of each triangle.
+    triangles : Clustered
     extent : (clusters, 5) float64
-    listed, tiles
-        See :func:`deal`.
+    listed, todo
+        Lists and tiles of :func:`deal`.
     crossing : (t, TABLE) float64
         Tables of the triangles that ``set_up`` leaves out, all full.
     eye : Eye
+    image : Image
+        It shows the background.
     doubts : (T, room) DOUBT or None
     counts : (T, COUNTS) int64
-    face : (H, W) int32
-    depth : (H, W) float64
-        They show the background.
     """
-    for k in prange(len(tiles)):
+    for k in prange(len(todo)):
         room = None if doubts is None else doubts[k]
-        mine = listed[tiles[k, 2] : tiles[k, 3]]
-        draw_tile(triangles, extent, mine, tiles[k, :2], crossing, eye, room, counts[k], face, depth)
+        tile = empty_tile(todo[k, 0], todo[k, 1], image, eye)
+        draw_clusters(triangles, extent, listed[todo[k, 2] : todo[k, 3]], tile, eye, room, counts[k])
+        finish(tile, crossing, image, eye, room, counts[k])
 
 
 @jit
-def draw_tile(
-    triangles: tuple[Floats, Ints, Array, Ints],
+def empty_tile(row: int, column: int, image: Image, eye: Eye) -> Tile:
+    """Return a tile of the image with nothing in it."""
+    faces, face, _ = image
+    lines, columns = min(LINES, face.shape[0] - row * LINES), min(COLUMNS, face.shape[1] - column * COLUMNS)
+    keys = np.full((lines, columns + LANES), EMPTY, np.int64)
+    farthest = np.full((LINES // CELL, COLUMNS // CELL), np.inf)
+    return tile_of(row, column, keys, farthest, face.shape[1], len(faces), eye)
+
+
+@jit
+def tile_of(row: int, column: int, keys: Array, farthest: Floats, width: int, pieces: int, eye: Eye) -> Tile:
+    """Return a tile of an image so wide, with what it shows, not drawn to yet."""
+    mask = fill.depth_mask(pieces)
+    stale, drawn = np.zeros(farthest.shape, np.bool_), np.zeros(farthest.shape, np.bool_)
+    gap = fill.gap_of(mask, eye.tie)
+    return Tile(row * LINES, column * COLUMNS, width, mask, gap, keys, farthest, stale, drawn)
+
+
+@jit
+def draw_clusters(
+    triangles: Clustered,
     extent: Floats,
     listed: Ints,
-    tile: Array,
-    crossing: Floats,
+    tile: Tile,
     eye: Eye,
     doubts: Array | None,
     counts: Array,
-    face: Ints,
-    depth: Floats,
 ) -> None:
-    """Draw the listed clusters and all crossing triangles into one tile, and read it out."""
-    # Start with a window of empty keys.
-    screen, corner, cull, faces = triangles
-    line, column = tile[0] * LINES, tile[1] * COLUMNS
-    lines, columns = min(LINES, face.shape[0] - line), min(COLUMNS, face.shape[1] - column)
-    keys = np.full((lines, columns + LANES), EMPTY, np.int64)
-    mask = depth_mask(len(corner))
-    window = Window(line, column, face.shape[1], mask, gap_of(mask, eye.tie))
-    farthest = np.full((LINES // CELL, COLUMNS // CELL), np.inf)
-    stale, drawn = np.zeros(farthest.shape, np.bool_), np.zeros(farthest.shape, np.bool_)
+    """Draw the listed clusters into a tile, nearest first, but for the hidden ones."""
+    screen, corner, cull = triangles
     table = np.empty(TABLE)
-
-    # Draw the clusters, nearest first, but for the hidden ones.
     for m in listed:
-        cells = cells_of(extent[m, 0], extent[m, 1], extent[m, 2], extent[m, 3], keys, window)
-        if is_hidden(extent[m, 4] - depth_gap(window.gap), cells, keys, farthest, stale):
+        cells = cells_of(extent[m, 0], extent[m, 1], extent[m, 2], extent[m, 3], tile)
+        if is_hidden(extent[m, 4], cells, tile):
             counts[HIDDEN] += 1
             continue
         counts[DRAWN] += 1
         n = gather(screen, corner, cull, m * CLUSTER, table)
         set_up(table, n, eye)
-        draw_table(table, n, keys, window, eye, farthest, doubts, counts)
-        stale[cells[0] : cells[1], cells[2] : cells[3]] = True
-        drawn[cells[0] : cells[1], cells[2] : cells[3]] = True
-
-    # Draw what has no place in clusters, and read the answer out.
-    drawn[:] |= len(crossing) > 0
-    for t in range(len(crossing)):
-        draw_table(crossing[t], CLUSTER, keys, window, eye, farthest, doubts, counts)
-    if doubts is not None:
-        settle(keys, window, doubts, counts)
-    show(keys, window, drawn, faces, eye, face, depth)
+        draw_table(table, n, tile, eye, doubts, counts)
+        touch(tile, cells)
 
 
 @jit
-def show(
-    keys: Array, window: Window, drawn: Bools, faces: Array, eye: Eye, face: Array, depth: Floats
-) -> None:
-    """Read out those cells of a window that were drawn to; the others show what they showed before."""
-    lines, columns = min(LINES, len(face) - window.line), min(COLUMNS, face.shape[1] - window.column)
+def finish(tile: Tile, crossing: Floats, image: Image, eye: Eye, doubts: Array | None, counts: Array) -> None:
+    """Draw what no cluster and no hierarchy has, settle what is in doubt, and read the answer out."""
+    tile.drawn[:] |= len(crossing) > 0
+    for t in range(len(crossing)):
+        draw_table(crossing[t], CLUSTER, tile, eye, doubts, counts)
+    if doubts is not None:
+        fill.settle(tile, doubts, counts)
+    show(tile, image, eye)
+
+
+@jit
+def show(tile: Tile, image: Image, eye: Eye) -> None:
+    """Read out those cells of a tile that were drawn to; the others show what they showed before."""
+    _, face, _ = image
+    lines, columns = min(LINES, len(face) - tile.line), min(COLUMNS, face.shape[1] - tile.column)
     for row in range(-(-lines // CELL)):
         start = 0
         while start < columns:
-            end = min(end_of_run(drawn[row], start // CELL) * CELL, columns)
-            if drawn[row, start // CELL]:
+            end = min(end_of_run(tile.drawn[row], start // CELL) * CELL, columns)
+            if tile.drawn[row, start // CELL]:
                 box = (row * CELL, min((row + 1) * CELL, lines), start, end)
-                read_out(keys, window, box, faces, eye, face, depth)
+                fill.read_out(tile, box, image, eye)
             start = end
 
 
@@ -379,85 +375,87 @@ def end_of_run(drawn: Bools, cell: int) -> int:
 
 
 @jit
-def draw_table(
-    table: Floats,
-    n: int,
-    keys: Array,
-    window: Window,
-    eye: Eye,
-    farthest: Floats,
-    doubts: Array | None,
-    counts: Array,
-) -> None:
+def draw_table(table: Floats, n: int, tile: Tile, eye: Eye, doubts: Array | None, counts: Array) -> None:
     """Draw the first n triangles of a table, but for those behind all that their cells were known to show."""
-    certify = None if doubts is None else True
     for i in range(n):
-        # Leave out what is left out, outside the window, or hidden.
+        # Leave out what is left out, outside the tile, or hidden.
         if not table[TOP + i] < table[BOTTOM + i]:
             continue
-        cells = cells_of(table[LEFT + i], table[RIGHT + i], table[TOP + i], table[BOTTOM + i], keys, window)
-        if cells[0] >= cells[1] or cells[2] >= cells[3]:
-            continue
-        if is_behind(table[NEAREST + i] - depth_gap(window.gap), cells, farthest):
+        cells = cells_of(table[LEFT + i], table[RIGHT + i], table[TOP + i], table[BOTTOM + i], tile)
+        if is_behind(table[NEAREST + i], cells, tile):
             continue
         counts[TRIANGLES] += 1
 
         # Fill the keys, and note what is in doubt.
-        if not is_certain(table, i, eye) and doubts is not None:
-            suspect(table, i, keys, window, doubts, counts)
+        if not fill.is_certain(table, i, eye) and doubts is not None:
+            fill.suspect(table, i, tile, doubts, counts)
         elif table[CUT + i] != 0.0:
-            doubtful = fill(table, i, keys, window, limits_of(table, i, eye), certify)
-            if doubts is not None and doubtful:
-                note(table, i, keys, window, limits_of(table, i, eye), doubts, counts)
+            draw(table, i, tile, fill.limits_of(table, i, eye), doubts, counts)
         else:
-            doubtful = fill(table, i, keys, window, None, certify)
-            if doubts is not None and doubtful:
-                note(table, i, keys, window, None, doubts, counts)
+            draw(table, i, tile, None, doubts, counts)
+
+
+@inline_jit
+def draw(
+    table: Floats, i: int, tile: Tile, limits: Limits | None, doubts: Array | None, counts: Array
+) -> None:
+    """Draw a triangle that is certain, and note where it is in doubt."""
+    doubtful = fill.fill(table, i, tile, limits, None if doubts is None else True)
+    if doubts is not None and doubtful:
+        fill.note(table, i, tile, limits, doubts, counts)
+
+
+# ---------------------------------------------------------------- cells
 
 
 @jit
-def cells_of(left: float, right: float, top: float, bottom: float, keys: Array, window: Window) -> Cells:
-    """Return the cells of the samples of a window in a box of the image; none if there are none."""
-    lines, columns = len(keys), keys.shape[1] - LANES
-    first_line, end_line = max(int(top) - window.line, 0), min(int(bottom) - window.line, lines)
-    first_column, end_column = max(int(left) - window.column, 0), min(int(right) - window.column, columns)
+def cells_of(left: float, right: float, top: float, bottom: float, tile: Tile) -> Cells:
+    """Return the cells of the samples of a tile in a box of the image; none if there are none."""
+    lines, columns = len(tile.keys), tile.keys.shape[1] - LANES
+    first_line, end_line = max(int(top) - tile.line, 0), min(int(bottom) - tile.line, lines)
+    first_column, end_column = max(int(left) - tile.column, 0), min(int(right) - tile.column, columns)
     if first_line >= end_line or first_column >= end_column:
         return 0, 0, 0, 0
-    return (
-        first_line // CELL,
-        (end_line - 1) // CELL + 1,
-        first_column // CELL,
-        (end_column - 1) // CELL + 1,
-    )
+    first_cell, end_cell = first_column // CELL, (end_column - 1) // CELL + 1
+    return first_line // CELL, (end_line - 1) // CELL + 1, first_cell, end_cell
 
 
 @jit
-def is_hidden(z: float, cells: Cells, keys: Array, farthest: Floats, stale: Array) -> bool:
+def touch(tile: Tile, cells: Cells) -> None:
+    """Note that some cells were drawn to."""
+    tile.stale[cells[0] : cells[1], cells[2] : cells[3]] = True
+    tile.drawn[cells[0] : cells[1], cells[2] : cells[3]] = True
+
+
+@jit
+def is_hidden(nearest: float, cells: Cells, tile: Tile) -> bool:
     """Whether a key depth lies behind all that some cells show; looks again at those drawn to since.
 
     Where there are no cells, it does.
     """
     # Nothing gets farther: what was known of a cell is still a bound.
+    z, farthest = nearest - depth_gap(tile.gap), tile.farthest
     for row in range(cells[0], cells[1]):
         for column in range(cells[2], cells[3]):
-            if not z > farthest[row, column] and not stale[row, column]:
+            if not z > farthest[row, column] and not tile.stale[row, column]:
                 return False
     for row in range(cells[0], cells[1]):
         for column in range(cells[2], cells[3]):
             if not z > farthest[row, column]:
-                stale[row, column] = False
-                farthest[row, column] = farthest_in(keys, row * CELL, column * CELL)
+                tile.stale[row, column] = False
+                farthest[row, column] = farthest_in(tile.keys, row * CELL, column * CELL)
                 if not z > farthest[row, column]:
                     return False
     return True
 
 
 @jit
-def is_behind(z: float, cells: Cells, farthest: Floats) -> bool:
-    """Whether a key depth lies behind all that some cells were known to show."""
+def is_behind(nearest: float, cells: Cells, tile: Tile) -> bool:
+    """Whether a key depth lies behind all that some cells were known to show; if there are none, it does."""
+    z = nearest - depth_gap(tile.gap)
     for row in range(cells[0], cells[1]):
         for column in range(cells[2], cells[3]):
-            if not z > farthest[row, column]:
+            if not z > tile.farthest[row, column]:
                 return False
     return True
 

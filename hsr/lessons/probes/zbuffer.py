@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from hsr.algorithms import zbuffer
-from hsr.kernels.zbuffer import fill, settle, tiles
+from hsr.kernels.zbuffer import fill, tiles
 from hsr.lessons.probes import Beat, Buffers, Look, Names, Probe, answered, nobody, place
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import View
@@ -19,14 +19,13 @@ def probe(view: View, _options: Any) -> Probe:
     size, faces = (view.height, view.width), zbuffer.clusters_of(view.tessellated()).faces
 
     def keys_read(names: Names) -> Callable[[], Buffers]:
-        keys, window, eye = names["keys"], names["window"], names["eye"]
+        tile, eye, known = names["tile"], names["eye"], names["tile"].keys.copy()
         face, depth = np.full(size, BACKGROUND, np.int32), np.full(size, np.inf)
-        box, known = (0, len(keys), 0, view.width), keys.copy()
 
         def read() -> Buffers:
-            if not np.array_equal(keys, known):
-                fill.read_out(keys, window, box, faces, eye, face, depth)
-                known[:] = keys
+            if not np.array_equal(tile.keys, known):
+                fill.read_out(tile, (0, len(known), 0, view.width), (faces, face, depth), eye)
+                known[:] = tile.keys
             return face, depth
 
         return read
@@ -43,13 +42,13 @@ def probe(view: View, _options: Any) -> Probe:
         shown={
             tiles.draw_table: ("i",),
             fill.fill: tuple(tests.split()),
-            settle.note: ("line", "column", "inner", "bound"),
+            fill.note: ("line", "column", "inner", "bound"),
             zbuffer.render: (),
         },
-        buffers={tiles.draw_tile: Look("window", keys_read), zbuffer.render: Look("found", answered)},
+        buffers={tiles.draw_clusters: Look("table", keys_read), zbuffer.render: Look("found", answered)},
         beats=(
             Beat(fill.fill, "inside, nearer_by =", sample, tested),
-            Beat(settle.note, "inner, z =", place("line", "column"), nobody),
+            Beat(fill.note, "inner, z =", place("line", "column"), nobody),
         ),
-        counters={"samples tested": (fill.fill, "place ="), "in doubt on an edge": (settle.note, "write(")},
+        counters={"samples tested": (fill.fill, "place ="), "in doubt on an edge": (fill.note, "write(")},
     )

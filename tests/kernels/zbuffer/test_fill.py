@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hsr.kernels.zbuffer import fill as d
-from hsr.kernels.zbuffer import settle, setup
+from hsr.kernels.zbuffer import setup
 
 DEPTHS = st.floats(1.0, 2.0, exclude_max=True)
 
@@ -35,51 +35,52 @@ def one_triangle(**parts: float) -> np.ndarray:
 
 
 MASK = int(d.depth_mask(8))
-WINDOW = d.Window(0, 0, 5, MASK, int(d.gap_of(MASK, 2.0**-40)))
+GAP = int(d.gap_of(MASK, 2.0**-40))
+CELLS = np.full((1, 1), np.inf), np.zeros((1, 1), np.bool_), np.zeros((1, 1), np.bool_)
 
 
-def empty() -> np.ndarray:
-    return np.full((4, 5 + setup.LANES), d.EMPTY, np.int64)
+def empty() -> d.Tile:
+    return d.Tile(0, 0, 5, MASK, GAP, np.full((4, 5 + setup.LANES), d.EMPTY, np.int64), *CELLS)
 
 
-def shown(keys: np.ndarray) -> list[list[int]]:
-    return np.where(keys == d.EMPTY, -1, keys & ~MASK)[:, :5].tolist()
+def shown(tile: d.Tile) -> list[list[int]]:
+    return np.where(tile.keys == d.EMPTY, -1, tile.keys & ~MASK)[:, :5].tolist()
 
 
 def test_a_triangle_fills_what_is_certainly_inside() -> None:
-    keys = empty()
-    assert not d.fill(one_triangle(), 0, keys, WINDOW, None, True)
-    assert shown(keys) == [[3, 3, -1, -1, -1]] * 3 + [[-1] * 5]
+    tile = empty()
+    assert not d.fill(one_triangle(), 0, tile, None, True)
+    assert shown(tile) == [[3, 3, -1, -1, -1]] * 3 + [[-1] * 5]
 
 
 @pytest.mark.parametrize("e", [1.0, 1.0 + 1e-12, 1.0 - 1e-12])
 def test_a_sample_within_the_bound_of_an_edge_is_a_doubt(e: float) -> None:
-    table, keys, found, counts = one_triangle(E0=e), empty(), np.zeros(8, settle.DOUBT), np.zeros(4, np.int64)
-    assert d.fill(table, 0, keys, WINDOW, None, True)
-    assert shown(keys) == [[3, -1, -1, -1, -1]] * 3 + [[-1] * 5]
-    settle.note(table, 0, keys, WINDOW, None, found, counts)
-    assert counts[settle.USED] == 3 and found["sample"][:3].tolist() == [1, 6, 11] and not found["sure"].any()
+    table, tile, found, counts = one_triangle(E0=e), empty(), np.zeros(8, d.DOUBT), np.zeros(4, np.int64)
+    assert d.fill(table, 0, tile, None, True)
+    assert shown(tile) == [[3, -1, -1, -1, -1]] * 3 + [[-1] * 5]
+    d.note(table, 0, tile, None, found, counts)
+    assert counts[d.USED] == 3 and found["sample"][:3].tolist() == [1, 6, 11] and not found["sure"].any()
 
 
 def test_depths_within_their_errors_are_doubts_about_both() -> None:
-    keys, found, counts = empty(), np.zeros(99, settle.DOUBT), np.zeros(4, np.int64)
-    d.fill(one_triangle(), 0, keys, WINDOW, None, True)
+    tile, found, counts = empty(), np.zeros(99, d.DOUBT), np.zeros(4, np.int64)
+    d.fill(one_triangle(), 0, tile, None, True)
     near_by = one_triangle(NUMBER=5.0, Z=1.5 - 2.0**-41)
-    assert d.fill(near_by, 0, keys, WINDOW, None, True)
-    assert shown(keys)[0] == [3, 3, -1, -1, -1]
-    settle.note(near_by, 0, keys, WINDOW, None, found, counts)
-    settle.settle(keys, WINDOW, found, counts)
-    assert counts[settle.USED] == 12 and found["sure"][:12].all()
+    assert d.fill(near_by, 0, tile, None, True)
+    assert shown(tile)[0] == [3, 3, -1, -1, -1]
+    d.note(near_by, 0, tile, None, found, counts)
+    d.settle(tile, found, counts)
+    assert counts[d.USED] == 12 and found["sure"][:12].all()
     assert set((found["key"][:12] & ~MASK).tolist()) == {3, 5}
 
 
 def test_a_depth_at_near_or_far_is_a_doubt() -> None:
     limits = d.limits_of(one_triangle(), 0, eye(near=1.5, far=1.9))
-    keys, found, counts = empty(), np.zeros(99, settle.DOUBT), np.zeros(4, np.int64)
-    assert d.fill(one_triangle(), 0, keys, WINDOW, limits, True)
-    assert shown(keys) == [[-1] * 5] * 4
-    settle.note(one_triangle(), 0, keys, WINDOW, limits, found, counts)
-    assert counts[settle.USED] == 6
+    tile, found, counts = empty(), np.zeros(99, d.DOUBT), np.zeros(4, np.int64)
+    assert d.fill(one_triangle(), 0, tile, limits, True)
+    assert shown(tile) == [[-1] * 5] * 4
+    d.note(one_triangle(), 0, tile, limits, found, counts)
+    assert counts[d.USED] == 6
 
 
 def eye(near: float, far: float) -> setup.Eye:
@@ -87,36 +88,36 @@ def eye(near: float, far: float) -> setup.Eye:
 
 
 def test_doubts_about_what_is_certainly_hidden_are_forgotten() -> None:
-    keys, found, counts = empty(), np.zeros(99, settle.DOUBT), np.zeros(4, np.int64)
+    tile, found, counts = empty(), np.zeros(99, d.DOUBT), np.zeros(4, np.int64)
     table = one_triangle(E0=1.0)
-    d.fill(table, 0, keys, WINDOW, None, True)
-    settle.note(table, 0, keys, WINDOW, None, found, counts)
-    d.fill(one_triangle(NUMBER=7.0, Z=1.25, E0=9.0, E1=1.5), 0, keys, WINDOW, None, True)
-    settle.settle(keys, WINDOW, found, counts)
+    d.fill(table, 0, tile, None, True)
+    d.note(table, 0, tile, None, found, counts)
+    d.fill(one_triangle(NUMBER=7.0, Z=1.25, E0=9.0, E1=1.5), 0, tile, None, True)
+    d.settle(tile, found, counts)
     # The nearer one covers the first two lines. In the third nothing else is there.
-    assert counts[settle.USED] == 1 and found["sample"][0] == 11
+    assert counts[d.USED] == 1 and found["sample"][0] == 11
 
 
 def test_what_the_keys_show_is_a_candidate_of_a_doubtful_sample() -> None:
-    keys, found, counts = empty(), np.zeros(99, settle.DOUBT), np.zeros(4, np.int64)
-    d.fill(one_triangle(NUMBER=7.0, Z=1.75, E0=9.0), 0, keys, WINDOW, None, True)
+    tile, found, counts = empty(), np.zeros(99, d.DOUBT), np.zeros(4, np.int64)
+    d.fill(one_triangle(NUMBER=7.0, Z=1.75, E0=9.0), 0, tile, None, True)
     table = one_triangle(E0=1.0)
-    d.fill(table, 0, keys, WINDOW, None, True)
-    settle.note(table, 0, keys, WINDOW, None, found, counts)
-    settle.settle(keys, WINDOW, found, counts)
-    assert counts[settle.USED] == 6 and (found["key"][3:6] & ~MASK).tolist() == [7, 7, 7]
+    d.fill(table, 0, tile, None, True)
+    d.note(table, 0, tile, None, found, counts)
+    d.settle(tile, found, counts)
+    assert counts[d.USED] == 6 and (found["key"][3:6] & ~MASK).tolist() == [7, 7, 7]
     assert found["sure"][:6].tolist() == [False] * 3 + [True] * 3
 
 
 def test_a_lack_of_room_is_counted() -> None:
-    table, keys, found, counts = (
+    table, tile, found, counts = (
         one_triangle(E0=1.0),
         empty(),
-        np.zeros(1, settle.DOUBT),
+        np.zeros(1, d.DOUBT),
         np.zeros(4, np.int64),
     )
-    settle.note(table, 0, keys, WINDOW, None, found, counts)
-    assert counts[settle.USED] == 3 and found["sample"].tolist() == [1]
+    d.note(table, 0, tile, None, found, counts)
+    assert counts[d.USED] == 3 and found["sample"].tolist() == [1]
 
 
 def test_spans_leave_out_only_what_is_outside() -> None:
@@ -135,7 +136,8 @@ def test_what_keys_cannot_tell_from_infinity_is_shown_as_the_farthest(triangles:
     keys = np.full((4, 5 + setup.LANES), d.key_of(np.float64(setup.FARTHEST), mask, 3), np.int64)
     seen = eye(near=1.0, far=1.9)._replace(farthest=1e-20, scale=0.75)
     faces, face, depth = np.arange(8, dtype=np.int32), np.zeros((4, 5), np.int32), np.zeros((4, 5))
-    d.read_out(keys, WINDOW._replace(mask=mask), (0, 4, 0, 5), faces, seen, face, depth)
+    tile = empty()._replace(mask=mask, keys=keys)
+    d.read_out(tile, (0, 4, 0, 5), (faces, face, depth), seen)
     assert (face == 3).all() and (depth == 1e20).all()
 
 
