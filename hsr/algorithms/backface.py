@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from hsr.algorithms import scanline
+from hsr.algorithms.prepare import choices
 from hsr.base.arrays import Array, Floats
-from hsr.base.errors import MethodError
 from hsr.kernels.clipping import clip_polygons, view_volume
 from hsr.kernels.culling import CULL_BACK, CULL_BOTH, facing_by_determinant, facing_by_normal, facing_in_ndc
 from hsr.kernels.depth_buffer import ALWAYS
@@ -46,8 +46,7 @@ class Options:
     form: str = "normal"
 
     def __post_init__(self) -> None:
-        if self.form not in FORMS:
-            raise MethodError(f"backface has no form {self.form!r}; choose from {', '.join(FORMS)}")
+        choices.check("backface", self, {"form": FORMS})
 
 
 def render(view: View, options: Options) -> VisibilityMap:

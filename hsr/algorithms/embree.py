@@ -12,12 +12,13 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass
 from importlib.metadata import version
-from typing import Any, Literal, TypeVar, get_args
+from typing import Any, TypeVar
 
 import numpy as np
 
+from hsr.algorithms.prepare import choices
 from hsr.base.arrays import Array, Floats, Ints
-from hsr.base.errors import MethodError, UnavailableError
+from hsr.base.errors import UnavailableError
 from hsr.base.jit import thread_count
 from hsr.embree import library
 from hsr.embree.packets import PACKET_SIDE, Sight
@@ -26,7 +27,8 @@ from hsr.problem.map import BACKGROUND, Clock, VisibilityMap, depth_format
 from hsr.problem.view import CULL, View, WorldPolygons
 from hsr.scene.transforms import placed
 
-Interface = Literal["embreex", "single", "packets"]
+INTERFACES = ("embreex", "single", "packets")
+
 Made = TypeVar("Made")
 
 RAYS_AT_ONCE = 2**16
@@ -46,12 +48,10 @@ class Options:
         embreex's own API, the library's ``rtcIntersect1``, or its ``rtcIntersect16``.
     """
 
-    interface: Interface = "embreex"
+    interface: str = "embreex"
 
     def __post_init__(self) -> None:
-        known = get_args(Interface)
-        if self.interface not in known:
-            raise MethodError(f"interface {self.interface!r}: choose one of {', '.join(known)}")
+        choices.check("embree", self, {"interface": INTERFACES})
 
 
 def render(view: View, options: Options) -> VisibilityMap:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from hsr.base.errors import MethodError
+from hsr.algorithms.prepare import choices
 from hsr.gl.backends import BACKENDS, shared_context
 from hsr.gl.context import Context
 from hsr.gl.depth import DEPTH_BUFFERS, DepthBuffer
@@ -37,10 +37,8 @@ class Options:
     depth_format: str = "d24"
 
     def __post_init__(self) -> None:
-        for name, known in (("backend", ("auto", *BACKENDS)), ("depth_format", DEPTH_BUFFERS)):
-            value = getattr(self, name)
-            if value not in known:
-                raise MethodError(f"opengl has no {name} {value!r}; choose from {', '.join(known)}")
+        known = {"backend": ("auto", *BACKENDS), "depth_format": DEPTH_BUFFERS}
+        choices.check("opengl", self, known)
 
     @property
     def buffer(self) -> DepthBuffer:

@@ -11,11 +11,11 @@ screen, in float32, and with extents that take no care of rounding. Those do not
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal, NamedTuple, get_args
+from typing import NamedTuple
 
 import numpy as np
 
-from hsr.algorithms.prepare import ray_tiles
+from hsr.algorithms.prepare import choices, ray_tiles
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.errors import MethodError
 from hsr.kernels import hierarchy, ray_hierarchy, rays, triangle_tests
@@ -26,16 +26,7 @@ from hsr.problem.map import Clock, VisibilityMap, depth_format
 from hsr.problem.view import Rays, View
 from hsr.scene.shapes import Kind, Polygons, Shape
 
-Acceleration = Literal["tiles", "hierarchy", "extents", "none"]
-Test = Literal["screen", "edge-planes", "moller-trumbore", "woop"]
-Arithmetic = Literal["float64", "float32"]
-Slabs = Literal["robust", "naive"]
-
-WAYS = {
-    "none": ray_hierarchy.LIST,
-    "extents": ray_hierarchy.EXTENTS,
-    "hierarchy": ray_hierarchy.HIERARCHY,
-}
+WAYS = {"hierarchy": ray_hierarchy.HIERARCHY, "extents": ray_hierarchy.EXTENTS, "none": ray_hierarchy.LIST}
 
 TESTS = {
     "screen": triangle_tests.SCREEN,
@@ -43,6 +34,14 @@ TESTS = {
     "moller-trumbore": triangle_tests.MOLLER_TRUMBORE,
     "woop": triangle_tests.WOOP,
 }
+
+CHOICES = {
+    "acceleration": ("tiles", *WAYS),
+    "test": TESTS,
+    "arithmetic": ("float64", "float32"),
+    "slabs": ("robust", "naive"),
+}
+"""What each option may be."""
 
 SOLIDS = (Kind.CUBE, Kind.POLYHEDRON, Kind.QUADRIC)
 """The shapes that are cut out by planes, and by an equation."""
@@ -74,23 +73,15 @@ class Options:
         How single rays meet extents.
     """
 
-    acceleration: Acceleration = "tiles"
+    acceleration: str = "tiles"
     certified: bool = True
     count: bool = False
-    test: Test = "screen"
-    arithmetic: Arithmetic = "float64"
-    slabs: Slabs = "robust"
+    test: str = "screen"
+    arithmetic: str = "float64"
+    slabs: str = "robust"
 
     def __post_init__(self) -> None:
-        for name, kind in (
-            ("acceleration", Acceleration),
-            ("test", Test),
-            ("arithmetic", Arithmetic),
-            ("slabs", Slabs),
-        ):
-            value, known = getattr(self, name), get_args(kind)
-            if value not in known:
-                raise MethodError(f"{name} {value!r}: choose one of {', '.join(known)}")
+        choices.check("raycast", self, CHOICES)
         studied = (self.test, self.arithmetic, self.slabs) != ("screen", "float64", "robust")
         if self.acceleration == "tiles" and studied:
             raise MethodError(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cache
 from importlib import import_module
@@ -127,11 +127,15 @@ def _part(module: str, name: str) -> Any:
         raise MethodError(f"{module} has no {name}, which the row of a method names") from error
 
 
-def _variant(of: Method, name: str, about: str, *flags: str, **settings: Any) -> Method:
-    """Make a variant of a method, not certified; its settings come on top of those of the method."""
-    row = replace(of, name=f"{of.name}-{name}", about=about, settings={**of.settings, **settings})
-    changed: dict[str, Any] = {"certified": False} | dict.fromkeys(flags, True)
-    return replace(row, **changed)
+Rows = Mapping[str, tuple[str, Mapping[str, Any]]]
+"""Variants of a method by the rest of their names: what each is, and its settings on top of the method's."""
+
+
+def _variants(of: Method, rows: Rows, told: str = "{}", **changed: Any) -> Iterator[Method]:
+    """Make variants of a method, not certified; ``told`` is what people read of all of them."""
+    for name, (about, settings) in rows.items():
+        whole, settings = f"{of.name}-{name}", {**of.settings, **settings}
+        yield replace(of, name=whole, about=told.format(about), settings=settings, certified=False, **changed)
 
 
 SCANLINE = Method(
@@ -173,9 +177,48 @@ EMBREE = Method(
     growth="hierarchy",
 )
 
+PLAIN: Rows = {"plain": ("the same without certification: rounding decides", {"certified": False})}
+
 FLOAT32 = {"arithmetic": "float32", "depth_format": "d32f"}
+FIXED = {"arithmetic": "fixed", "guard_bits": 12, "depth_format": "d24"}
+
+SCAN_CONVERSIONS: Rows = {
+    "direct": ("plane and edges evaluated at every sample, float64", {"stepping": "direct"}),
+    "float32": ("incremental, float32", FLOAT32),
+    "float32-direct": ("evaluated at every sample, float32", {**FLOAT32, "stepping": "direct"}),
+    "fixed": ("incremental, 24-bit depth with 12 guard bits", FIXED),
+    "d16": ("depths stored in 16 bits", {"depth_format": "d16"}),
+    "d24": ("depths stored in 24 bits", {"depth_format": "d24"}),
+    "d32f-reversed": ("depths stored as float32, 1 at near and 0 at far", {"depth_format": "d32f-reversed"}),
+    "w16": ("linear depths stored in 16 bits", {"depth_format": "w16"}),
+    "snap-4": ("corners on a grid of 1/16 pixel", {"subpixel_bits": 4}),
+    "snap-8": ("corners on a grid of 1/256 pixel", {"subpixel_bits": 8}),
+    "bottom-left": ("bottom edges own their samples, not top edges", {"fill_rule": "bottom-left"}),
+    "less-equal": ("of equal depths the last drawn is kept", {"depth_test": "less-equal"}),
+}
+
 SINGLE = {"acceleration": "hierarchy"}
 EDGES, TRUMBORE, WOOP = ({**SINGLE, "test": test} for test in ("edge-planes", "moller-trumbore", "woop"))
+
+LISTS: Rows = {
+    "extents": ("over the object list, an extent around every object", {"acceleration": "extents"}),
+    "list": ("as the textbook has it: every ray against the whole object list", {"acceleration": "none"}),
+}
+
+SINGLE_RAYS: Rows = {
+    "edge-planes": ("triangles by the planes through eye and edges", EDGES),
+    "moller-trumbore": ("triangles by Möller and Trumbore's test", TRUMBORE),
+    "woop": ("triangles by Woop's watertight test", WOOP),
+    "float32": ("edge planes in float32", {**EDGES, "arithmetic": "float32"}),
+    "moller-trumbore-float32": (
+        "Möller and Trumbore's test in float32",
+        {**TRUMBORE, "arithmetic": "float32"},
+    ),
+    "woop-float32": ("Woop's watertight test in float32", {**WOOP, "arithmetic": "float32"}),
+    "naive-slabs": ("extents without care for rounding", {**SINGLE, "slabs": "naive"}),
+}
+
+PACKETS: Rows = {"packets": ("packets of 4 x 4 coherent rays on all threads", {"interface": "packets"})}
 
 BUILT_IN = (
     Method("exact", "exact arithmetic: the truth, and every tie", "hsr.algorithms.exact", curved=True),
@@ -196,70 +239,16 @@ BUILT_IN = (
         resolves="order",
     ),
     SCANLINE,
-    *(
-        _variant(SCANLINE, name, f"scan conversion, {about}", **settings)
-        for name, about, settings in (
-            ("direct", "plane and edges evaluated at every sample, float64", {"stepping": "direct"}),
-            ("float32", "incremental, float32", FLOAT32),
-            ("float32-direct", "evaluated at every sample, float32", {**FLOAT32, "stepping": "direct"}),
-            (
-                "fixed",
-                "incremental, 24-bit depth with 12 guard bits",
-                {"arithmetic": "fixed", "guard_bits": 12, "depth_format": "d24"},
-            ),
-            ("d16", "depths stored in 16 bits", {"depth_format": "d16"}),
-            ("d24", "depths stored in 24 bits", {"depth_format": "d24"}),
-            (
-                "d32f-reversed",
-                "depths stored as float32, 1 at near and 0 at far",
-                {"depth_format": "d32f-reversed"},
-            ),
-            ("w16", "linear depths stored in 16 bits", {"depth_format": "w16"}),
-            ("snap-4", "corners on a grid of 1/16 pixel", {"subpixel_bits": 4}),
-            ("snap-8", "corners on a grid of 1/256 pixel", {"subpixel_bits": 8}),
-            (
-                "bottom-left",
-                "bottom edges own their samples, not top edges",
-                {"fill_rule": "bottom-left"},
-            ),
-            ("less-equal", "of equal depths the last drawn is kept", {"depth_test": "less-equal"}),
-        )
-    ),
+    *_variants(SCANLINE, SCAN_CONVERSIONS, "scan conversion, {}"),
     ZBUFFER,
-    _variant(ZBUFFER, "plain", "the same without certification: rounding decides", certified=False),
+    *_variants(ZBUFFER, PLAIN),
     RAYCAST,
-    _variant(RAYCAST, "plain", "the same without certification: rounding decides", certified=False),
-    _variant(RAYCAST, "single", "ray casting, one ray at a time through extents and hierarchies", **SINGLE),
-    _variant(
-        RAYCAST,
-        "extents",
-        "ray casting over the object list, an extent around every object",
-        "exhaustive",
-        acceleration="extents",
+    *_variants(RAYCAST, PLAIN),
+    *_variants(
+        RAYCAST, {"single": ("one ray at a time through extents and hierarchies", SINGLE)}, "ray casting, {}"
     ),
-    _variant(
-        RAYCAST,
-        "list",
-        "ray casting as the textbook has it: every ray against the whole object list",
-        "exhaustive",
-        acceleration="none",
-    ),
-    *(
-        _variant(RAYCAST, name, f"ray casting, single rays, {about}", **settings)
-        for name, about, settings in (
-            ("edge-planes", "triangles by the planes through eye and edges", EDGES),
-            ("moller-trumbore", "triangles by Möller and Trumbore's test", TRUMBORE),
-            ("woop", "triangles by Woop's watertight test", WOOP),
-            ("float32", "edge planes in float32", {**EDGES, "arithmetic": "float32"}),
-            (
-                "moller-trumbore-float32",
-                "Möller and Trumbore's test in float32",
-                {**TRUMBORE, "arithmetic": "float32"},
-            ),
-            ("woop-float32", "Woop's watertight test in float32", {**WOOP, "arithmetic": "float32"}),
-            ("naive-slabs", "extents without care for rounding", {**SINGLE, "slabs": "naive"}),
-        )
-    ),
+    *_variants(RAYCAST, LISTS, "ray casting {}", exhaustive=True),
+    *_variants(RAYCAST, SINGLE_RAYS, "ray casting, single rays, {}"),
     Method(
         "opengl",
         "headless OpenGL: OSMesa, else EGL",
@@ -269,18 +258,11 @@ BUILT_IN = (
         growth="fragments",
     ),
     EMBREE,
-    _variant(
+    *_variants(EMBREE, PACKETS, "Embree's library, {}"),
+    *_variants(
         EMBREE,
-        "packets",
-        "Embree's library, packets of 4 x 4 coherent rays on all threads",
-        interface="packets",
-    ),
-    _variant(
-        EMBREE,
-        "single",
-        "Embree's library, one ray at a time on all threads",
-        "asked_only",
-        interface="single",
+        {"single": ("Embree's library, one ray at a time on all threads", {"interface": "single"})},
+        asked_only=True,
     ),
 )
 

@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from hsr.algorithms.prepare import choices
 from hsr.algorithms.prepare.depth_formats import FORMATS, Depths, Real, depths_of
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.errors import MethodError
@@ -113,11 +114,7 @@ class Options:
     count: bool = False
 
     def __post_init__(self) -> None:
-        for name, known in CHOICES.items():
-            value = getattr(self, name)
-            if value not in known:
-                choices = ", ".join(str(choice).lower() for choice in known)
-                raise MethodError(f"scanline has no {name} {value!r}; choose from {choices}")
+        choices.check("scanline", self, CHOICES)
         if self.arithmetic == "fixed" and (self.stepping, self.depth_format) != ("incremental", "d24"):
             raise MethodError(
                 f"scanline: fixed arithmetic is incremental and stored as d24, not {self.stepping} and "

@@ -32,7 +32,9 @@ LIBRARY = METHODS[1:]
 
 
 def test_an_unknown_interface_is_refused() -> None:
-    with pytest.raises(MethodError, match="'sideways': choose one of embreex, single, packets"):
+    with pytest.raises(
+        MethodError, match="embree has no interface 'sideways'; choose from embreex, single, packets"
+    ):
         embree.Options("sideways")  # type: ignore[arg-type]
 
 

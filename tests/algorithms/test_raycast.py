@@ -304,10 +304,10 @@ STUDIED = [
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"acceleration": "octree"}, "choose one of tiles, hierarchy, extents, none"),
-        ({"test": "plucker"}, "choose one of screen, edge-planes, moller-trumbore, woop"),
-        ({"arithmetic": "float16"}, "choose one of float64, float32"),
-        ({"slabs": "padded"}, "choose one of robust, naive"),
+        ({"acceleration": "octree"}, "choose from tiles, hierarchy, extents, none"),
+        ({"test": "plucker"}, "choose from screen, edge-planes, moller-trumbore, woop"),
+        ({"arithmetic": "float16"}, "choose from float64, float32"),
+        ({"slabs": "padded"}, "choose from robust, naive"),
         ({"test": "woop"}, "choose acceleration 'hierarchy'"),
         ({"slabs": "naive"}, "choose acceleration 'hierarchy'"),
         ({"acceleration": "none", "certified": False}, "single rays are never certified"),

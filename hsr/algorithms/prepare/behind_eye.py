@@ -55,19 +55,14 @@ def crossing_tables(view: View, clip: Floats, piece: Ints, number: Array, eye: E
     (tables, TABLE) float64
         Tables; in the last one, places without a triangle have no scan lines.
     """
-    if not len(clip):
-        return np.empty((0, TABLE))
     box = boxes(clip, view.near, eye)
     crossed = np.flatnonzero((box[:, 0] < box[:, 1]) & (box[:, 2] < box[:, 3]))
     if not len(crossed):
         return np.empty((0, TABLE))
-    columns = _columns(view, piece[crossed], box[crossed], eye)
-    columns[setup.NUMBER // CLUSTER] = number[crossed]
-    tables = np.zeros((-(-len(crossed) // CLUSTER), TABLE // CLUSTER, CLUSTER))
-    for t in range(len(tables)):
-        part = columns[:, t * CLUSTER : (t + 1) * CLUSTER]
-        tables[t, :, : part.shape[1]] = part
-    return tables.reshape(-1, TABLE)
+    columns = np.zeros((TABLE // CLUSTER, -(-len(crossed) // CLUSTER) * CLUSTER))
+    columns[:, : len(crossed)] = _columns(view, piece[crossed], box[crossed], eye)
+    columns[setup.NUMBER // CLUSTER, : len(crossed)] = number[crossed]
+    return columns.reshape(len(columns), -1, CLUSTER).swapaxes(0, 1).reshape(-1, TABLE)
 
 
 def _may_be_ahead(nearness: Floats, eye: Eye) -> Bools:
@@ -140,12 +135,12 @@ def _columns(view: View, piece: Ints, box: Floats, eye: Eye) -> Floats:
     j = (view.height - 1 - 2 * top).astype(np.int64).astype(object)
 
     # Scale each edge function so that nowhere on the image a term of it is above 1.
-    for edge, (e, across, below) in enumerate(zip(_E, _ACROSS, _BELOW, strict=True)):
+    for edge in range(3):
         a, b, c = np.array([facet.inside[edge] for facet in facets], object).T
         value, to_right, down = a * i + b * j + c, 2 * a, -2 * b
         size = np.maximum(abs(value) + abs(to_right) * view.width + abs(down) * view.height, 1)
-        columns[e], columns[across], columns[below] = value / size, to_right / size, down / size
-    columns[setup.BOUND // CLUSTER], columns[setup.AREA // CLUSTER] = ROUNDED, 1.0
+        for part, number in ((setup.E0, value), (setup.ACROSS0, to_right), (setup.BELOW0, down)):
+            columns[part // CLUSTER + edge] = number / size
 
     # Nearness is affine on the screen, too. That w is taken for depth is an error such as vertices have.
     a, b, c, s = np.array([facet.plane for facet in facets], object).T
@@ -161,19 +156,14 @@ def _columns(view: View, piece: Ints, box: Floats, eye: Eye) -> Floats:
     growth = abs(z_x) * view.width + abs(z_y) * view.height
     error = slack * eye.scale + 64.0 * U * (1.0 + growth)
     bounded = np.isfinite(error)
-    for part, number in ((setup.Z, z), (setup.Z_X, z_x), (setup.Z_Y, z_y)):
-        columns[part // CLUSTER] = np.where(bounded, number, 0.0)
-    columns[setup.Z_ERROR // CLUSTER] = np.where(bounded, error, np.inf)
-    columns[setup.NEAREST // CLUSTER], columns[setup.CUT // CLUSTER] = 1.0, 1.0
-    columns[setup.LEFT // CLUSTER], columns[setup.RIGHT // CLUSTER] = left, right
-    drawn = [facet.drawn for facet in facets]
-    columns[setup.TOP // CLUSTER], columns[setup.BOTTOM // CLUSTER] = top, np.where(drawn, bottom, top)
+    z, z_x, z_y = (np.where(bounded, number, 0.0) for number in (z, z_x, z_y))
+    parts = {setup.BOUND: ROUNDED, setup.AREA: 1.0, setup.NEAREST: 1.0, setup.CUT: 1.0}
+    parts |= {setup.Z: z, setup.Z_X: z_x, setup.Z_Y: z_y, setup.Z_ERROR: np.where(bounded, error, np.inf)}
+    bottom = np.where([facet.drawn for facet in facets], bottom, top)
+    parts |= {setup.LEFT: left, setup.RIGHT: right, setup.TOP: top, setup.BOTTOM: bottom}
+    for part, number in parts.items():
+        columns[part // CLUSTER] = number
     return columns
-
-
-_E = [part // CLUSTER for part in (setup.E0, setup.E1, setup.E2)]
-_ACROSS = [part // CLUSTER for part in (setup.ACROSS0, setup.ACROSS1, setup.ACROSS2)]
-_BELOW = [part // CLUSTER for part in (setup.BELOW0, setup.BELOW1, setup.BELOW2)]
 
 
 def _quotient(above: Array, below: Array) -> Floats:

@@ -179,9 +179,8 @@ class World(NamedTuple):
 
 def world_of(geometry: Geometry, hierarchies: dict[Handed, Hierarchy]) -> World:
     """Join the data of all hierarchies, and say of each object where its own is."""
-    sizes = np.array(
-        [[one.vertices.shape[1], len(one.corner), len(one.tree)] for one in hierarchies.values()]
-    )
+    every = hierarchies.values()
+    sizes = np.array([[one.vertices.shape[1], len(one.corner), len(one.tree)] for one in every])
     described = np.zeros(len(hierarchies), MEMBER)
     described["vertices"], described["triangles"], described["nodes"] = sizes.T
     described["vertex"], described["triangle"], described["node"] = (np.cumsum(sizes, axis=0) - sizes).T
@@ -193,10 +192,10 @@ def world_of(geometry: Geometry, hierarchies: dict[Handed, Hierarchy]) -> World:
     members["cull"] = [one.cull for one in geometry]
     members["piece"] = first_pieces(geometry)[:-1]
     members["quadric"] = NO_QUADRIC
-    points, *shapes, boxes = zip(*hierarchies.values(), strict=True)
-    vertices = _joined(points, axis=1)
+    points, *shapes, boxes = zip(*every, strict=True)
+    vertices, faces = _joined(points, axis=1), np.concatenate([_faces_of(one) for one in geometry])
     corner, number, tree = (_joined(parts) for parts in shapes)
-    return World((vertices, corner, number, tree), members, np.array(boxes)[which], _faces(geometry))
+    return World((vertices, corner, number, tree), members, np.array(boxes)[which], faces)
 
 
 def _joined(parts: Sequence[Array], axis: int = 0) -> Array:
@@ -204,16 +203,11 @@ def _joined(parts: Sequence[Array], axis: int = 0) -> Array:
     return parts[0] if len(parts) == 1 else np.concatenate(parts, axis)
 
 
-def _faces(geometry: Geometry) -> Ints:
-    """Return the face of each piece."""
-    own = {one.shape: _faces_of(one.shape) for one in geometry}
-    return np.concatenate([own[one.shape] + np.int32(one.first) for one in geometry])
-
-
-def _faces_of(shape: Shape) -> Ints:
-    if shape.polygons is None:
-        return np.arange(shape.faces, dtype=np.int32)
-    return shape.polygons.triangle_face
+def _faces_of(one: Placement) -> Ints:
+    """Return the face of each piece of an object."""
+    polygons = one.shape.polygons
+    own = np.arange(one.shape.faces) if polygons is None else polygons.triangle_face
+    return np.asarray(own, np.int32) + np.int32(one.first)
 
 
 Room = tuple[Floats, Floats]
@@ -221,10 +215,8 @@ Room = tuple[Floats, Floats]
 
 
 def _room(members: Array) -> Room:
-    vertices, nodes = (
-        min(int(sizes.sum()), max(BATCH, int(sizes.max())))
-        for sizes in (members["vertices"], members["nodes"])
-    )
+    both = members["vertices"], members["nodes"]
+    vertices, nodes = (min(int(sizes.sum()), max(BATCH, int(sizes.max()))) for sizes in both)
     return np.full((vertices, 4), 0.0), np.full((nodes, 5), 0.0)
 
 
@@ -246,13 +238,8 @@ def eye_of(view: View, world: World, rows: Floats) -> Eye:
     size = (bound[:, :, :3] @ abs(world.box).max(axis=1)[:, :, None])[:, :, 0] + bound[:, :, 3]
     least, most = _depths(world, rows)
     error_x, error_y, error_d = (16.0 * U * size.max(axis=0)).tolist()
-    return eye_between(
-        view.perspective,
-        (float(view.width), float(view.height)),
-        (error_x, error_y, error_d),
-        (view.near, view.far),
-        (float(least.min()), float(most.max())),
-    )
+    image, seen = (float(view.width), float(view.height)), (float(least.min()), float(most.max()))
+    return eye_between(view.perspective, image, (error_x, error_y, error_d), (view.near, view.far), seen)
 
 
 def _depths(world: World, rows: Floats) -> tuple[Floats, Floats]:
@@ -348,10 +335,8 @@ def _lay_out(caster: Caster, members: Array, extent: Floats, room: Room) -> cast
     for place, size in (("to_screen", "vertices"), ("to_extent", "nodes")):
         members[place] = np.cumsum(members[size]) - members[size]
     laid = (members, extent, room[0][: members["vertices"].sum()], room[1][: members["nodes"].sum()])
-    vertices, nodes = (
-        _shares(members[size], most)
-        for size, most in (("vertices", SHARE_OF_VERTICES), ("nodes", SHARE_OF_NODES))
-    )
+    vertices = _shares(members["vertices"], SHARE_OF_VERTICES)
+    nodes = _shares(members["nodes"], SHARE_OF_NODES)
     casting.lay_out(caster.world.shapes, caster.rows, caster.eye, vertices, nodes, laid)
     return laid
 
