@@ -35,7 +35,7 @@ def test_an_unknown_interface_is_refused() -> None:
     with pytest.raises(
         MethodError, match="embree has no interface 'sideways'; choose from embreex, single, packets"
     ):
-        embree.Options("sideways")  # type: ignore[arg-type]
+        embree.Options("sideways")
 
 
 CAMERAS: dict[str, dict[str, Any]] = {

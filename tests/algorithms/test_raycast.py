@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import get_args
 
 import numpy as np
 import pytest
 
 import hsr
 from hsr.algorithms import raycast
-from hsr.algorithms.raycast import Acceleration, Options
+from hsr.algorithms.raycast import CHOICES, Options
 from hsr.algorithms.registry import BUILT_IN
 from hsr.base.errors import MethodError
 from hsr.scene.model import Scene
 from hsr.scene.shapes import Kind
 
-SINGLE = tuple(way for way in get_args(Acceleration) if way != "tiles")
+SINGLE = tuple(way for way in CHOICES["acceleration"] if way != "tiles")
 
 SQUARE = {"name": "square", "shape": "square"}
 CUBE = {"name": "cube", "shape": "cube"}
@@ -190,7 +189,7 @@ def test_of_equal_depths_the_lower_face_wins_and_borders_of_generic_shapes_are_c
 @pytest.mark.parametrize(
     ("near", "far", "face"), [(2.0, 9.0, 4), (7.0, 9.0, 4), (7.5, 9.0, 5), (9.5, 10.0, -1)]
 )
-@pytest.mark.parametrize("acceleration", get_args(Acceleration))
+@pytest.mark.parametrize("acceleration", CHOICES["acceleration"])
 def test_near_within_a_solid_shows_its_inside_and_near_and_far_are_closed(
     make_scene, near, far, face, acceleration
 ):

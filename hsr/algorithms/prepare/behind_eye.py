@@ -157,8 +157,9 @@ def _columns(view: View, piece: Ints, box: Floats, eye: Eye) -> Floats:
     error = slack * eye.scale + 64.0 * U * (1.0 + growth)
     bounded = np.isfinite(error)
     z, z_x, z_y = (np.where(bounded, number, 0.0) for number in (z, z_x, z_y))
-    parts = {setup.BOUND: ROUNDED, setup.AREA: 1.0, setup.NEAREST: 1.0, setup.CUT: 1.0}
+    parts: dict[int, Floats | float] = dict.fromkeys((setup.AREA, setup.NEAREST, setup.CUT), 1.0)
     parts |= {setup.Z: z, setup.Z_X: z_x, setup.Z_Y: z_y, setup.Z_ERROR: np.where(bounded, error, np.inf)}
+    parts[setup.BOUND] = ROUNDED
     bottom = np.where([facet.drawn for facet in facets], bottom, top)
     parts |= {setup.LEFT: left, setup.RIGHT: right, setup.TOP: top, setup.BOTTOM: bottom}
     for part, number in parts.items():
