@@ -259,7 +259,7 @@ def draw(
     counts : (COUNTS,) int64
     """
     extent = np.empty((clusters.low.shape[1], 5))
-    uncertain = tiles.lay_out(clusters.vertices, clusters.low, clusters.high, rows, eye, screen, extent)
+    uncertain = setup.lay_out(clusters.vertices, clusters.low, clusters.high, rows, eye, screen, extent)
     if clusters.normals is not None:
         form = facing.determinant_of(view.perspective, rows)
         facing.leave_out(

@@ -38,8 +38,8 @@ theorem.
    that is culled (:func:`hsr.kernels.zbuffer.facing.leave_out`,
    :func:`hsr.kernels.zbuffer.setup.set_up`); what lies beside a tile, between samples, or beyond near
    or far; columns of a scan line outside an edge (:func:`hsr.kernels.zbuffer.fill.span_of`); nodes,
-   objects and clusters behind all that their cells show (:func:`hsr.kernels.zbuffer.tiles.is_hidden`,
-   :func:`hsr.kernels.zbuffer.tiles.is_behind`): what cells show only gets nearer. A doubt is forgotten if
+   objects and clusters behind all that their cells show (:func:`hsr.kernels.zbuffer.fill.is_hidden`,
+   :func:`hsr.kernels.zbuffer.fill.is_behind`): what cells show only gets nearer. A doubt is forgotten if
    something proven to cover the sample is proven nearer.
 4. *Uncertain samples are decided exactly.* So the owner of a sample with doubts is among its doubts, or it
    is the background. :func:`hsr.certify.decision.resolve` asks all of them, without rounding. Where doubts
@@ -145,7 +145,7 @@ said what was tried.
     Test: ``test_what_is_within_an_error_stays`` in ``tests/kernels/zbuffer/test_facing.py``.
     Test: ``test_what_is_left_out_is_culled`` in ``tests/kernels/zbuffer/test_facing.py``.
     The first fails without the term of s; those of U have no teeth.
-:func:`hsr.kernels.zbuffer.tiles.reach_box`
+:func:`hsr.kernels.zbuffer.setup.reach_box`
     What a box may cover, and its least key depth: those of its eight corners, see ``projected``.
     Test: ``test_the_extent_of_a_node_holds_all_certain_triangles_below_it`` in
     ``tests/kernels/raytiles/test_casting.py``.

@@ -28,6 +28,7 @@ from hsr.kernels.projection import clip_rows, to_clip
 from hsr.kernels.raytiles import casting
 from hsr.kernels.raytiles.casting import MEMBER, NO_QUADRIC, SHARE
 from hsr.kernels.zbuffer import fill
+from hsr.kernels.zbuffer.fill import CELL, COLUMNS, LINES
 from hsr.kernels.zbuffer.setup import (
     CLUSTER,
     ERROR,
@@ -39,7 +40,7 @@ from hsr.kernels.zbuffer.setup import (
     U,
     eye_between,
 )
-from hsr.kernels.zbuffer.tiles import CELL, COLUMNS, LINES, deal
+from hsr.kernels.zbuffer.tiles import deal
 from hsr.problem.geometry import Geometry, Placement, reversed_loops
 from hsr.problem.map import Clock, VisibilityMap
 from hsr.problem.view import View

@@ -24,7 +24,8 @@ from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.jit import jit, parallel_jit, prange
 from hsr.kernels.hierarchy import INNER, STACK
 from hsr.kernels.raytiles.curved import cast_into_quadric
-from hsr.kernels.zbuffer.fill import Image, Tile, depth_gap
+from hsr.kernels.zbuffer import fill
+from hsr.kernels.zbuffer.fill import CELL, COLUMNS, LINES, Image, Tile, depth_gap
 from hsr.kernels.zbuffer.setup import (
     CLUSTER,
     CULL,
@@ -41,22 +42,9 @@ from hsr.kernels.zbuffer.setup import (
     key_depth,
     nearness_error,
     project,
+    reach_box,
     samples_between,
     set_up,
-)
-from hsr.kernels.zbuffer.tiles import (
-    CELL,
-    COLUMNS,
-    LINES,
-    cells_of,
-    draw_table,
-    empty_tile,
-    farthest_in,
-    finish,
-    is_hidden,
-    reach_box,
-    tile_of,
-    touch,
 )
 
 NODES, EXTENTS = 2, 3
@@ -106,7 +94,7 @@ their cells (rows, columns, cells down, cells across)."""
 
 Laid = tuple[Array, Floats, Floats, Floats]
 """A batch: members (m,) MEMBER, nearest first, and their extents (m, 5): first and end column, first and end
-line, and a bound of the least key depth; projected vertices (v, 4), see ``tiles.lay_out``; the extents
+line, and a bound of the least key depth; projected vertices (v, 4), see ``setup.lay_out``; the extents
 (e, 5) of nodes."""
 
 
@@ -280,20 +268,20 @@ def cast(
         room = None if doubts is None else doubts[k]
         tile = tile_before(todo[k, 0], todo[k, 1], kept, image, eye)
         cast_tile(shapes, laid, special[0], listed[todo[k, 2] : todo[k, 3]], tile, eye, room, counts[k])
-        finish(tile, special[1], image, eye, room, counts[k])
+        fill.finish(tile, special[1], image, eye, room, counts[k])
         if kept is not None:
             # Note for the next batch how far the tile shows.
             for row, column in np.argwhere(tile.drawn):
-                tile.farthest[row, column] = farthest_in(tile.keys, row * CELL, column * CELL)
+                tile.farthest[row, column] = fill.farthest_in(tile.keys, row * CELL, column * CELL)
 
 
 @jit
 def tile_before(row: int, column: int, kept: Kept | None, image: Image, eye: Eye) -> Tile:
     """Return a tile of the image as earlier batches left it."""
     if kept is None:
-        return empty_tile(row, column, image, eye)
+        return fill.empty_tile(row, column, image, eye)
     keys, farthest = kept[0][row, column], kept[1][row, column]
-    return tile_of(row, column, keys, farthest, image[1].shape[1], len(image[0]), eye)
+    return fill.tile_of(row, column, keys, farthest, image[1].shape[1], len(image[0]), eye)
 
 
 @jit
@@ -311,14 +299,14 @@ def cast_tile(
     members, extent = laid[0], laid[1]
     for m in listed:
         counts[EXTENTS] += 1
-        cells = cells_of(extent[m, 0], extent[m, 1], extent[m, 2], extent[m, 3], tile)
-        if is_hidden(extent[m, 4], cells, tile):
+        cells = fill.cells_of(extent[m, 0], extent[m, 1], extent[m, 2], extent[m, 3], tile)
+        if fill.is_hidden(extent[m, 4], cells, tile):
             continue
         if members[m]["quadric"] == NO_QUADRIC:
             cast_into_mesh(shapes, laid, members[m], tile, eye, doubts, counts)
         else:
             cast_into_quadric(quadrics[members[m]["quadric"]], tile, eye, doubts, counts)
-            touch(tile, cells)
+            fill.touch(tile, cells)
 
 
 @jit
@@ -338,8 +326,8 @@ def cast_into_mesh(
         k = stack[waiting]
         counts[NODES] += 1
         here = to_extent + k
-        cells = cells_of(extent[here, 0], extent[here, 1], extent[here, 2], extent[here, 3], tile)
-        if is_hidden(extent[here, 4], cells, tile):
+        cells = fill.cells_of(extent[here, 0], extent[here, 1], extent[here, 2], extent[here, 3], tile)
+        if fill.is_hidden(extent[here, 4], cells, tile):
             continue
 
         # Go on to its children, or draw its triangles.
@@ -352,8 +340,8 @@ def cast_into_mesh(
         else:
             gather_leaf(screen, corner, number, member, start + first, count, table)
             set_up(table, count, eye)
-            draw_table(table, count, tile, eye, doubts, counts)
-            touch(tile, cells)
+            fill.draw_table(table, count, tile, eye, doubts, counts)
+            fill.touch(tile, cells)
 
 
 @jit

@@ -1,4 +1,4 @@
-"""Depth buffers of keys: where triangles certainly are, the nearest; what is in doubt; their reading out.
+"""Tiles of the image: where triangles certainly are, the nearest; what is in doubt; the answer.
 
 Depth and owner of a sample share one integer of 63 bits, the *key*: depth in the upper bits, the number of
 the triangle in the lower ones. The nearest triangle has the least key, and one minimum does the depth test
@@ -30,6 +30,8 @@ from hsr.kernels.zbuffer.setup import (
     BOTTOM,
     BOUND,
     CLOSEST,
+    CLUSTER,
+    CUT,
     E0,
     E1,
     E2,
@@ -55,6 +57,13 @@ SHIFT = np.int64(11)
 ONE = np.float64(1.0).view(np.int64)
 """Sign and exponent of every key depth."""
 
+LINES, COLUMNS = 128, 512
+"""Size in samples of a tile, the piece of work of one thread. Its keys stay in the cache of a core, and a
+line of its depths is a page of memory: narrow tiles took three times as long to read out."""
+
+CELL = 8
+"""Side in samples of the cells whose farthest depth is known."""
+
 WIDE = 3 * LANES
 """From this width on, the samples of a scan line that a triangle can cover are worked out first."""
 
@@ -73,6 +82,9 @@ each with its growth from sample to sample."""
 
 Box = tuple[int, int, int, int]
 """First and end line, first and end column of some samples."""
+
+Cells = tuple[int, int, int, int]
+"""First and end row, first and end column of some cells of a tile."""
 
 Limits = tuple[float, float, float]
 """Key depths of near and far, and what makes their errors those of an edge function."""
@@ -146,7 +158,122 @@ def depth_gap(gap: int) -> float:
     return gap * 2.0**-63
 
 
+# ---------------------------------------------------------------- tiles
+
+
+@jit
+def empty_tile(row: int, column: int, image: Image, eye: Eye) -> Tile:
+    """Return a tile of the image with nothing in it."""
+    faces, face, _ = image
+    lines, columns = min(LINES, face.shape[0] - row * LINES), min(COLUMNS, face.shape[1] - column * COLUMNS)
+    keys = np.full((lines, columns + LANES), EMPTY, np.int64)
+    farthest = np.full((LINES // CELL, COLUMNS // CELL), np.inf)
+    return tile_of(row, column, keys, farthest, face.shape[1], len(faces), eye)
+
+
+@jit
+def tile_of(row: int, column: int, keys: Array, farthest: Floats, width: int, pieces: int, eye: Eye) -> Tile:
+    """Return a tile of an image so wide, with what it shows, not drawn to yet."""
+    mask = depth_mask(pieces)
+    stale, drawn = np.zeros(farthest.shape, np.bool_), np.zeros(farthest.shape, np.bool_)
+    gap = gap_of(mask, eye.tie)
+    return Tile(row * LINES, column * COLUMNS, width, mask, gap, keys, farthest, stale, drawn)
+
+
+@jit
+def cells_of(left: float, right: float, top: float, bottom: float, tile: Tile) -> Cells:
+    """Return the cells of the samples of a tile in a box of the image; none if there are none."""
+    lines, columns = len(tile.keys), tile.keys.shape[1] - LANES
+    first_line, end_line = max(int(top) - tile.line, 0), min(int(bottom) - tile.line, lines)
+    first_column, end_column = max(int(left) - tile.column, 0), min(int(right) - tile.column, columns)
+    if first_line >= end_line or first_column >= end_column:
+        return 0, 0, 0, 0
+    first_cell, end_cell = first_column // CELL, (end_column - 1) // CELL + 1
+    return first_line // CELL, (end_line - 1) // CELL + 1, first_cell, end_cell
+
+
+@jit
+def touch(tile: Tile, cells: Cells) -> None:
+    """Note that some cells were drawn to."""
+    tile.stale[cells[0] : cells[1], cells[2] : cells[3]] = True
+    tile.drawn[cells[0] : cells[1], cells[2] : cells[3]] = True
+
+
+@jit
+def is_hidden(nearest: float, cells: Cells, tile: Tile) -> bool:
+    """Whether a key depth lies behind all that some cells show; looks again at those drawn to since.
+
+    Where there are no cells, it does.
+    """
+    # Nothing gets farther: what was known of a cell is still a bound.
+    z, farthest = nearest - depth_gap(tile.gap), tile.farthest
+    for row in range(cells[0], cells[1]):
+        for column in range(cells[2], cells[3]):
+            if not z > farthest[row, column] and not tile.stale[row, column]:
+                return False
+    for row in range(cells[0], cells[1]):
+        for column in range(cells[2], cells[3]):
+            if not z > farthest[row, column]:
+                tile.stale[row, column] = False
+                farthest[row, column] = farthest_in(tile.keys, row * CELL, column * CELL)
+                if not z > farthest[row, column]:
+                    return False
+    return True
+
+
+@jit
+def is_behind(nearest: float, cells: Cells, tile: Tile) -> bool:
+    """Whether a key depth lies behind all that some cells were known to show; if there are none, it does."""
+    z = nearest - depth_gap(tile.gap)
+    for row in range(cells[0], cells[1]):
+        for column in range(cells[2], cells[3]):
+            if not z > tile.farthest[row, column]:
+                return False
+    return True
+
+
+@jit
+def farthest_in(keys: Array, row: int, column: int) -> float:
+    """Return the greatest key depth in a cell, ``inf`` if some sample is empty."""
+    greatest = np.int64(0)
+    for line in range(row, min(row + CELL, len(keys))):
+        for lane in range(CELL):
+            greatest = max(greatest, keys[line, np.uintp(column + lane)])
+    return depth_of(int(greatest)) if greatest != EMPTY else np.inf
+
+
 # ---------------------------------------------------------------- drawing
+
+
+@jit
+def draw_table(table: Floats, n: int, tile: Tile, eye: Eye, doubts: Array | None, counts: Array) -> None:
+    """Draw the first n triangles of a table, but for those behind all that their cells were known to show."""
+    for i in range(n):
+        # Leave out what is left out, outside the tile, or hidden.
+        if not table[TOP + i] < table[BOTTOM + i]:
+            continue
+        cells = cells_of(table[LEFT + i], table[RIGHT + i], table[TOP + i], table[BOTTOM + i], tile)
+        if is_behind(table[NEAREST + i], cells, tile):
+            continue
+        counts[TRIANGLES] += 1
+
+        # Fill the keys, and note what is in doubt.
+        if not is_certain(table, i, eye) and doubts is not None:
+            suspect(table, i, tile, doubts, counts)
+        elif table[CUT + i] != 0.0:
+            draw(table, i, tile, limits_of(table, i, eye), doubts, counts)
+        else:
+            draw(table, i, tile, None, doubts, counts)
+
+
+@inline_jit
+def draw(
+    table: Floats, i: int, tile: Tile, limits: Limits | None, doubts: Array | None, counts: Array
+) -> None:
+    """Draw a triangle that is certain, and note where it is in doubt."""
+    doubtful = fill(table, i, tile, limits, None if doubts is None else True)
+    if doubts is not None and doubtful:
+        note(table, i, tile, limits, doubts, counts)
 
 
 @jit
@@ -356,6 +483,41 @@ def settle(tile: Tile, doubts: Array, counts: Array) -> None:
 
 
 # ---------------------------------------------------------------- reading out
+
+
+@jit
+def finish(tile: Tile, crossing: Floats, image: Image, eye: Eye, doubts: Array | None, counts: Array) -> None:
+    """Draw what no cluster and no hierarchy has, settle what is in doubt, and read the answer out."""
+    tile.drawn[:] |= len(crossing) > 0
+    for t in range(len(crossing)):
+        draw_table(crossing[t], CLUSTER, tile, eye, doubts, counts)
+    if doubts is not None:
+        settle(tile, doubts, counts)
+    show(tile, image, eye)
+
+
+@jit
+def show(tile: Tile, image: Image, eye: Eye) -> None:
+    """Read out those cells of a tile that were drawn to; the others show what they showed before."""
+    _, face, _ = image
+    lines, columns = min(LINES, len(face) - tile.line), min(COLUMNS, face.shape[1] - tile.column)
+    for row in range(-(-lines // CELL)):
+        start = 0
+        while start < columns:
+            end = min(end_of_run(tile.drawn[row], start // CELL) * CELL, columns)
+            if tile.drawn[row, start // CELL]:
+                box = (row * CELL, min((row + 1) * CELL, lines), start, end)
+                read_out(tile, box, image, eye)
+            start = end
+
+
+@jit
+def end_of_run(drawn: Bools, cell: int) -> int:
+    """Return the first cell after one that is not as it is."""
+    end = cell + 1
+    while end < len(drawn) and drawn[end] == drawn[cell]:
+        end += 1
+    return end
 
 
 @jit

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hsr.base.arrays import Array, Floats, Ints
-from hsr.base.jit import jit
+from hsr.base.jit import jit, parallel_jit, prange
 from hsr.kernels.culling import CULL_BACK, CULL_FRONT
 from hsr.kernels.projection import nearness_of
 
@@ -61,6 +61,11 @@ ANYWHERE = 2.0**99
 
 SIDE_BY_SIDE = 256
 """Most vertices projected at once."""
+
+SHARES = 64
+"""In which vertices and clusters are laid out: both at once, for it takes time to wake threads."""
+
+Point = tuple[float, float, float]
 
 Matrix = tuple[float, float, float, float, float, float, float, float, float, float, float, float]
 """The entries of three rows of four."""
@@ -222,6 +227,9 @@ def nearness_at(depth: float, perspective: bool) -> float:
     return min(nearness_of(depth, perspective), 1.0 / TINY)
 
 
+# ---------------------------------------------------------------- vertices and boxes
+
+
 @jit
 def entries(rows: Floats) -> Matrix:
     """Return the entries of a matrix (3, 4), row by row, as numbers that no array can share."""
@@ -317,6 +325,99 @@ def samples_between(least: float, most: float, error: float, count: float) -> tu
     Each place is within ``error`` of the true one; sample k lies at k + 0.5.
     """
     return np.ceil(max(least - error - 0.5, 0.0)), np.floor(min(most + error - 0.5, count - 1.0)) + 1.0
+
+
+@parallel_jit
+def lay_out(
+    vertices: Floats, low: Floats, high: Floats, rows: Floats, eye: Eye, screen: Floats, extent: Floats
+) -> int:
+    """Project vertices, and find the samples that clusters may cover, and how near they come.
+
+    Parameters
+    ----------
+    vertices : (3, V) float64
+        World space, coordinate by coordinate.
+    low, high : (3, n) float64
+        Opposite corners of the boxes around the clusters, likewise.
+    rows : (3, 4) float64
+        To clip space (x, y, d), see :func:`hsr.kernels.projection.clip_rows`.
+    eye : Eye
+        Its errors are those of the clip coordinates computed here.
+    screen : (V, 4) float64
+        Receives X to ERROR of each vertex.
+    extent : (n, 5) float64
+        Receives first and end column, first and end line, and a bound of the least key depth.
+
+    Returns
+    -------
+    int
+        How many vertices are not certain within ``PRECISE``.
+    """
+    uncertain, matrix = 0, entries(rows)
+    for share in prange(SHARES):
+        # Project this share of the vertices.
+        first, end = share_of(vertices.shape[1], share)
+        for start in range(first, end, SIDE_BY_SIDE):
+            stop = min(start + SIDE_BY_SIDE, end)
+            uncertain += project(vertices, start, stop, matrix, eye, screen, start)
+
+        # Find what this share of the clusters may cover.
+        first, end = share_of(low.shape[1], share)
+        for start in range(first, end, SIDE_BY_SIDE):
+            reach(low, high, start, min(start + SIDE_BY_SIDE, end), matrix, eye, extent)
+    return uncertain
+
+
+@jit
+def share_of(count: int, share: int) -> tuple[int, int]:
+    """Return the first and the end of one of ``SHARES`` equal shares."""
+    return count * share // SHARES, count * (share + 1) // SHARES
+
+
+@jit
+def reach(low: Floats, high: Floats, first: int, end: int, matrix: Matrix, eye: Eye, extent: Floats) -> None:
+    """Find what some boxes may cover, at most SIDE_BY_SIDE of them."""
+    count, start = np.uintp(end - first), np.uintp(first)
+    parts = np.empty(5 * SIDE_BY_SIDE)
+    for i in range(count):
+        box_low = low[0, start + i], low[1, start + i], low[2, start + i]
+        box_high = high[0, start + i], high[1, start + i], high[2, start + i]
+        left, right, top, bottom, nearest = reach_box(box_low, box_high, matrix, eye)
+        parts[i], parts[SIDE_BY_SIDE + i], parts[2 * SIDE_BY_SIDE + i] = left, right, top
+        parts[3 * SIDE_BY_SIDE + i], parts[4 * SIDE_BY_SIDE + i] = bottom, nearest
+    for i in range(count):
+        for k in range(np.uintp(5)):
+            extent[start + i, k] = parts[np.uintp(SIDE_BY_SIDE) * k + i]
+
+
+@jit
+def reach_box(low: Point, high: Point, matrix: Matrix, eye: Eye) -> tuple[float, float, float, float, float]:
+    """Return what one box may cover; one with a corner at or behind the eye, anything."""
+    # Project the eight corners: the box covers no more than their bounding box, and is no nearer.
+    left, right, top, bottom, nearest, error = np.inf, -np.inf, np.inf, -np.inf, -np.inf, 0.0
+    for bits in range(8):
+        px = high[0] if bits & 1 else low[0]
+        py = high[1] if bits & 2 else low[1]
+        pz = high[2] if bits & 4 else low[2]
+        x, y, nearness, corner_error = projected(px, py, pz, matrix, eye)
+        left, right, top, bottom = min(left, x), max(right, x), min(top, y), max(bottom, y)
+        nearest, error = max(nearest, nearness), max(error, corner_error)
+
+    # Count in the errors.
+    first_column, end_column = samples_between(left, right, error, eye.width)
+    first_line, end_line = samples_between(top, bottom, error, eye.height)
+    z = key_depth(nearest, eye) - nearness_error(nearest, eye) * eye.scale
+    certain = error <= PRECISE
+    return (
+        first_column if certain else 0.0,
+        end_column if certain else eye.width,
+        first_line if certain else 0.0,
+        end_line if certain else eye.height,
+        z if certain else -np.inf,
+    )
+
+
+# ---------------------------------------------------------------- triangles
 
 
 @jit

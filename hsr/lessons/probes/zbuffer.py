@@ -40,7 +40,7 @@ def probe(view: View, _options: Any) -> Probe:
     tests = "line start lane inner bound z key old inside nearer_by doubtful"
     return Probe(
         shown={
-            tiles.draw_table: ("i",),
+            fill.draw_table: ("i",),
             fill.fill: tuple(tests.split()),
             fill.note: ("line", "column", "inner", "bound"),
             zbuffer.render: (),

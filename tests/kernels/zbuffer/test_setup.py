@@ -11,7 +11,7 @@ import pytest
 
 from hsr.algorithms.zbuffer import along_the_curve, clusters_of, eye_of
 from hsr.kernels.projection import clip_rows
-from hsr.kernels.zbuffer import setup, tiles
+from hsr.kernels.zbuffer import setup
 from hsr.problem.view import View
 from tests.conftest import JIT
 from tests.exact.adversarial import adversarial
@@ -43,7 +43,7 @@ def projected(view: View) -> tuple[Any, setup.Eye, Any]:
     rows, screen = clip_rows(view.clip_from_world, view.depth_row), np.empty((clusters.vertices.shape[1], 4))
     eye = eye_of(view, clusters, rows)
     extent = np.empty((clusters.low.shape[1], 5))
-    tiles.lay_out(clusters.vertices, clusters.low, clusters.high, rows, eye, screen, extent)
+    setup.lay_out(clusters.vertices, clusters.low, clusters.high, rows, eye, screen, extent)
     return clusters, eye, screen
 
 
