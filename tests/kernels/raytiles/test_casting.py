@@ -11,9 +11,8 @@ from hsr.algorithms.prepare import ray_tiles as tiles_of_rays
 from hsr.algorithms.zbuffer import along_the_curve
 from hsr.kernels.hierarchy import INNER
 from hsr.kernels.raytiles import casting
-from hsr.kernels.zbuffer.fill import depth_mask, gap_of
+from hsr.kernels.zbuffer.fill import CELL, COLUMNS, LINES, depth_mask, gap_of
 from hsr.kernels.zbuffer.setup import ERROR, NEARNESS, PRECISE, X, Y, key_depth, nearness_error
-from hsr.kernels.zbuffer.tiles import CELL, COLUMNS, LINES
 from tests.conftest import JIT
 from tests.exact.adversarial import adversarial
 from tests.kernels.zbuffer.test_setup import exact_vertices
