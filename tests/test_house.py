@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import importlib
 import pkgutil
+import re
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from types import ModuleType
@@ -19,8 +20,9 @@ BY_STRING = {
     "__init__.py",
     "algorithms/registry.py",
     "lab/stability/cases/__init__.py",
+    "scene/shapes/__init__.py",
 }
-"""The files that may import what is named by a string."""
+"""The files that may import what is named by a string: two that publish names, two that load their own folder."""
 
 PLANNED = ("regions", "lines", "frames", "hits", "report", "shapes")
 """Public names to come: no package may be in their way."""
@@ -61,7 +63,7 @@ def test_modules_are_named_by_strings_in_few_files() -> None:
     named = {
         path.relative_to(ROOT).as_posix()
         for path in ROOT.rglob("*.py")
-        if "import_module" in path.read_text(encoding="utf-8")
+        if re.search("import_module|resolve_name|__import__", path.read_text(encoding="utf-8"))
     }
     assert named <= BY_STRING
 

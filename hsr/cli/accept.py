@@ -1,5 +1,7 @@
 """The command ``hsr accept``: what a person decided in the page of a test run, done."""
 
+from __future__ import annotations
+
 from pathlib import Path
 from typing import Annotated
 

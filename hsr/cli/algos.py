@@ -1,5 +1,7 @@
 """The command ``hsr algos``: which methods there are."""
 
+from __future__ import annotations
+
 import hsr
 from hsr.cli import common as cli
 

@@ -5,6 +5,8 @@ Embree) is missing, 70 a mistake of the program itself. Results go to standard o
 standard error.
 """
 
+from __future__ import annotations
+
 import sys
 import traceback
 from typing import Annotated

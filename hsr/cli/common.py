@@ -3,6 +3,8 @@
 Results go to standard output, everything else to standard error.
 """
 
+from __future__ import annotations
+
 import json
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
@@ -43,6 +45,7 @@ Verbose = Annotated[bool, Option("--verbose", "-v", help="Also print work counts
 Methods = Annotated[Texts, Option("--method", "-a", help="Method, repeatable; 'hsr algos' lists them.")]
 Size = Annotated[str, Option(help="Image size in pixels, WxH or N.")]
 CameraName = Annotated[Text, Option(help="Camera; the scene's first by default.")]
+SceneFiles = Annotated[list[Path], Argument(help="Scenes or mesh files.")]
 SceneFile = Annotated[Path, Argument(help="Scene or mesh file.")]
 SceneOutput = Annotated[Path | None, output("Scene to write, .toml; standard output by default.")]
 Sample = Annotated[str, Argument(metavar="X,Y", help="Column and row, counted from 0 at the top left.")]

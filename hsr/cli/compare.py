@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from typer import Argument, BadParameter, Exit, Option
+from typer import BadParameter, Exit, Option
 
 import hsr
 from hsr.base.errors import HsrError, UnavailableError
@@ -19,7 +19,7 @@ from hsr.cli import common as cli
 
 
 def compare(
-    scenes: Annotated[list[Path], Argument(help="Scenes or mesh files.")],
+    scenes: cli.SceneFiles,
     method: cli.Methods = None,
     ref: Annotated[str, Option(help="Reference method.")] = "exact",
     size: cli.Size = "512x512",

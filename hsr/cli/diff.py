@@ -1,5 +1,7 @@
 """The command ``hsr diff``: two maps compared."""
 
+from __future__ import annotations
+
 from pathlib import Path
 from typing import Annotated
 

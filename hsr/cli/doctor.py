@@ -1,5 +1,7 @@
 """The command ``hsr doctor``: what this machine has of what the methods need, and what to install."""
 
+from __future__ import annotations
+
 import json
 import os
 import platform

@@ -1,5 +1,7 @@
 """The command ``hsr explain``: why each method shows what it shows at a sample."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path

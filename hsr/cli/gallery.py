@@ -1,5 +1,7 @@
 """The command ``hsr gallery``: scenes as a page of pictures."""
 
+from __future__ import annotations
+
 from pathlib import Path
 from typing import Annotated
 

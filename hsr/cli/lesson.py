@@ -1,5 +1,7 @@
 """The command ``hsr lesson``: an algorithm played step by step, as a page."""
 
+from __future__ import annotations
+
 from pathlib import Path
 from typing import Annotated
 

@@ -1,5 +1,7 @@
 """The command ``hsr render``: one scene by some methods, as maps and pictures."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any

@@ -1,5 +1,7 @@
 """The command ``hsr scene``: scene files checked and described."""
 
+from __future__ import annotations
+
 import json
 from pathlib import Path
 from typing import Annotated

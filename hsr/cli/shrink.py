@@ -1,5 +1,7 @@
 """The command ``hsr shrink``: the smallest scene in which two methods still disagree."""
 
+from __future__ import annotations
+
 from typing import Annotated
 
 import typer

@@ -1,5 +1,7 @@
 """The command ``hsr stability``: hard cases, theory beside measurement."""
 
+from __future__ import annotations
+
 from pathlib import Path
 from typing import Annotated
 
@@ -15,13 +17,13 @@ stability_app = Typer(
 )
 
 
-METHODS = "Method or variant, repeatable; those of each family by default."
-
-
 @stability_app.command()
 def run(
     family: Annotated[cli.Texts, Argument(help="Families; all by default.")] = None,
-    method: Annotated[cli.Texts, Option("--method", "-a", help=METHODS)] = None,
+    method: Annotated[
+        cli.Texts,
+        Option("--method", "-a", help="Method or variant, repeatable; those of each family by default."),
+    ] = None,
     output: Annotated[Path | None, cli.output("Folder for a page, charts and figures.")] = None,
     quick: Annotated[bool, Option("--quick", help="Small pictures, short sweeps: a minute.")] = False,
     as_json: cli.Json = False,

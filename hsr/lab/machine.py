@@ -3,6 +3,8 @@
 Linux tells all of it under ``/proc``; elsewhere the figures are None.
 """
 
+from __future__ import annotations
+
 import ctypes
 import os
 import platform

@@ -1,5 +1,7 @@
 """Every figure of a benchmark, declared once: tables, charts, CSV and comparisons read them from here."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

@@ -1,5 +1,7 @@
 """What a benchmark publishes: the results as JSON, CSV, Markdown, and a chart."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from pathlib import Path
 

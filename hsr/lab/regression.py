@@ -12,6 +12,8 @@ On a quiet machine the last two are 1; on a busy one the band is wide, and nothi
 More wrong samples are more wrong samples: the count has no noise.
 """
 
+from __future__ import annotations
+
 import math
 import re
 from collections.abc import Sequence

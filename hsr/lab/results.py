@@ -4,6 +4,8 @@ The file keeps every sample, so that statistics can be done again; the figures b
 those who read the file with other tools.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path

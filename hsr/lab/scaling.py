@@ -11,6 +11,8 @@ method (Foley, van Dam et al., *Computer Graphics: Principles and Practice*, cha
 The constants are fitted; how well the law holds is seen in the chart.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace

@@ -135,12 +135,14 @@ def measure(
     turns, rows = max(repeat, FEWEST), list[Row]()
     for case in cases:
         contest = [Contestant(method, case, _reason_to_sit_out(method, case, patience)) for method in chosen]
-        rows += _rows(case, contest, turns, explain, progress)
+        rows += _measure_case(case, contest, turns, explain, progress)
     made = {"date": datetime.now(UTC).isoformat(timespec="seconds"), "commit": commit(), "machine": machine()}
     return Results(hsr=1, kind="bench", repeat=turns, rows=tuple(rows), **made)
 
 
-def _rows(case: Case, contest: list[Contestant], repeat: int, explain: bool, step: Progress) -> Iterator[Row]:
+def _measure_case(
+    case: Case, contest: Sequence[Contestant], repeat: int, explain: bool, step: Progress
+) -> Iterator[Row]:
     label = f"{case.scene} {case.view.width}x{case.view.height}"
     step(f"{label}: judging")
     truth = render(fresh(case.view), "exact")

@@ -5,6 +5,8 @@ percentiles of resampled medians (B. Efron, R. Tibshirani, *An Introduction to t
 chapter 13). The same samples always give the same interval.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import Any
 

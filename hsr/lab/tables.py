@@ -1,5 +1,7 @@
 """A table as it is written down: as Markdown for people, as CSV for programs."""
 
+from __future__ import annotations
+
 import csv
 import io
 from collections.abc import Collection, Sequence

@@ -5,6 +5,8 @@ after rounding they pass beside it, each by its own last bit, and a test that lo
 differently may deny both. After Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection" (JCGT 2013).
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from itertools import product
 from typing import NamedTuple

@@ -1,5 +1,7 @@
 """The page of a test run: every check, failed first, with what to inspect and what to decide."""
 
+from __future__ import annotations
+
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path

@@ -3,6 +3,8 @@
 A page is a template ``NAME.html`` that fills the frame, a sheet ``NAME.css``, and one call of :func:`page`.
 """
 
+from __future__ import annotations
+
 import base64
 import hashlib
 from collections.abc import Callable, Mapping, Sequence

@@ -1,5 +1,7 @@
 """The gallery: scenes as pictures, what they show, and which methods are right on them, as measured."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from io import BytesIO
 from pathlib import Path
@@ -33,7 +35,11 @@ SIDE, GAP = 224, 6
 
 
 def write_gallery(
-    scenes: Mapping[str, Scene], folder: Path, size: tuple[int, int], turns: Sequence[str], progress: Progress
+    scenes: Mapping[str, Scene],
+    folder: Path,
+    size: tuple[int, int],
+    turning: Sequence[str],
+    progress: Progress,
 ) -> None:
     """Write ``index.html``, a picture of every scene, those that turn, and ``overview.png`` of all.
 
@@ -43,7 +49,7 @@ def write_gallery(
         There already; files in it are replaced.
     size : (width, height)
         At which methods are compared, in pixels.
-    turns : sequence of str
+    turning : sequence of str
         Names of the scenes to show turning too, as ``NAME.webp``.
     progress : callable
         Called with each name before its scene is measured.
@@ -57,7 +63,7 @@ def write_gallery(
     shown = []
     for name, scene in scenes.items():
         progress(name)
-        if name in turns:
+        if name in turning:
             write_whole(folder / f"{name}.webp", turntable(scene), "the turning picture")
         found = study(scene, list(methods()), "exact", size, name=name)
         if found.reference is None:
@@ -66,7 +72,7 @@ def write_gallery(
         shown.append((found, _wrong(found)))
     save_picture(overview(list(scenes.values())), folder / "overview.png")
     sheet, own = style("gallery.css"), "'self' file:"
-    text = page("gallery", "The scenes", sheet, images=own, shown=shown, size=size, turning=turns)
+    text = page("gallery", "The scenes", sheet, images=own, shown=shown, size=size, turning=turning)
     write_whole(folder / "index.html", text, "the gallery")
 
 

@@ -5,6 +5,8 @@ only the samples of another class than *same*: where it shows another face, or a
 than rounding explains. Elsewhere its depths are given as those of the base.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from typing import Any
 from urllib.parse import urlencode

@@ -1,5 +1,7 @@
 """The page of a lesson, and the page that lists all lessons."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

@@ -4,6 +4,8 @@ Screen coordinates are those of the image: x to the right and y down, in pixels 
 so that sample (row r, column c) lies at ``(c + 0.5, r + 0.5)``. They are rounded, and decide nothing.
 """
 
+from __future__ import annotations
+
 from typing import cast
 
 import numpy as np

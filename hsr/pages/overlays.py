@@ -1,5 +1,7 @@
 """What can be laid over a picture of a view: how its faces face, how many overlap, how large they are."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from hsr.base.arrays import Array, Ints, Pixels

@@ -5,6 +5,8 @@ Texts that differ in their numbers alone are kept once, and the numbers in colum
 alike.
 """
 
+from __future__ import annotations
+
 import base64
 import json
 import re

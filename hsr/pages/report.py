@@ -1,5 +1,7 @@
 """The report: one HTML file that shows what every method makes of every scene."""
 
+from __future__ import annotations
+
 import math
 import os
 import platform

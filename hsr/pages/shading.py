@@ -1,5 +1,7 @@
 """From a visibility map to the pictures a person looks at, by one code for every method."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import cast
 

@@ -1,5 +1,7 @@
 """The page of the stability lab: every family, its chart, and the matrix of verdicts."""
 
+from __future__ import annotations
+
 import json
 import re
 from collections.abc import Mapping, Sequence

@@ -1,5 +1,7 @@
 """The histories of the samples of a scene at which methods differ, as many as a page has room for."""
 
+from __future__ import annotations
+
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import zip_longest
 from typing import Any, NamedTuple

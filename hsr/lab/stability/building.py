@@ -1,5 +1,7 @@
 """Cameras and things from which hard cases are built: small whole numbers, so that ties are exact."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -1,5 +1,7 @@
 """Running a family: every variant at every value, judged by the truth, held against its theory."""
 
+from __future__ import annotations
+
 import math
 from collections import Counter, defaultdict
 from collections.abc import Sequence

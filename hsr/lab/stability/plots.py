@@ -5,6 +5,8 @@ expects a variant to break; in a family with a figure of its own, a line without
 theory expects. Variants of which there is no theory are grey. The same result gives the same bytes.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 from itertools import cycle

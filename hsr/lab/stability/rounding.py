@@ -6,6 +6,8 @@ float32. In pictures of W samples coordinates are up to W pixels, or W / 2 from 
 and then the edge function costs a few times that, which the factor of the verdict leaves room for.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from functools import partial
 from typing import Any

@@ -1,5 +1,7 @@
 """The results as a matrix of cells, and as lines for a README."""
 
+from __future__ import annotations
+
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any

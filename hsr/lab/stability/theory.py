@@ -6,6 +6,8 @@ spacing of stored numbers divided by the derivative of what is stored (E. Lapido
 Buffer for Low-Cost Graphics Hardware*, 1999; N. Reed, *Depth Precision Visualized*, 2015).
 """
 
+from __future__ import annotations
+
 import math
 
 U32 = 2.0**-24

@@ -11,7 +11,7 @@ for the terrain). The same numbers give the same bytes.
 from __future__ import annotations
 
 from functools import lru_cache
-from importlib import import_module
+from pkgutil import resolve_name
 
 from hsr.scene.shapes.polygons import Polygons
 from hsr.scene.shapes.shape import MAX_FACES, Kind, Quadric, Shape, tessellated
@@ -25,7 +25,7 @@ def generic(shape: str, **numbers: float) -> Shape:
 
     The word names the file. What makes the shape there is called ``shape``, or ``polygons`` if it is a mesh.
     """
-    made_by = import_module(f"{__name__}.{shape.replace('-', '_')}")
+    made_by = resolve_name(f"{__name__}.{shape.replace('-', '_')}")
     if hasattr(made_by, "shape"):
         made: Shape = made_by.shape(**numbers)
         return made
