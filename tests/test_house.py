@@ -22,7 +22,7 @@ BY_STRING = {
     "lab/stability/cases/__init__.py",
     "scene/shapes/__init__.py",
 }
-"""The files that may import what is named by a string: two that publish names, two that load their own folder."""
+"""What may import by a string: two files that publish names, two that load their own folder."""
 
 PLANNED = ("regions", "lines", "frames", "hits", "report", "shapes")
 """Public names to come: no package may be in their way."""
