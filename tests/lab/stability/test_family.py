@@ -22,7 +22,7 @@ FAMILIES = families()
 def test_every_file_holds_hard_cases() -> None:
     files = {path.stem for path in Path(cases.__path__[0]).glob("[!_]*.py")}
     assert {family.scene.__module__.rpartition(".")[2] for family in FAMILIES.values()} == files
-    assert len(FAMILIES) == 41
+    assert len(FAMILIES) >= 41
 
 
 def test_a_function_is_a_family_by_its_name_and_its_docstring() -> None:
