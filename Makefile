@@ -24,15 +24,15 @@ install = $(APT) update >/dev/null 2>&1 && $(APT) install -y --no-install-recomm
 lab: $(VENV)/lab.stamp opengl
 	@$(BIN)/hsr compare scenes/*.toml --size $(SIZE) -o $(REPORT)
 
-# Idle threads of one process shall not take the time of the other's.
+# Idle threads of one process shall not take the time of the other's, and a file's kernels are compiled by one.
 test: export OMP_WAIT_POLICY := passive
 test: $(VENV)/test.stamp opengl browser
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/pytest -n 2
-	NUMBA_DISABLE_JIT=1 $(BIN)/pytest -n 2 tests/kernels tests/algorithms tests/certify tests/exact tests/models tests/difference
+	$(BIN)/pytest -n 2 --dist loadfile
+	NUMBA_DISABLE_JIT=1 $(BIN)/pytest -n 2 --dist loadfile tests/kernels tests/algorithms tests/certify tests/exact tests/models tests/difference
 
 
 proof: $(VENV)/test.stamp opengl

@@ -28,7 +28,8 @@ def depths_of(problem: Problem, owner: Ints) -> Floats:
     depth = np.full(len(owner), np.inf)
     owned = np.flatnonzero(owner >= 0)
     owners, which = np.unique(owner[owned], return_inverse=True)
-    depth[owned] = depths(*_quotients(problem, owners), which, *problem.frame.at(owned))
+    with np.errstate(all="ignore"):  # of what overflows there is no number, and below it is had from integers
+        depth[owned] = depths(*_quotients(problem, owners), which, *problem.frame.at(owned))
     unsure = np.flatnonzero(np.isnan(depth))
     for sample, i, j in zip(unsure, *problem.frame.exactly_at(unsure), strict=True):
         above, below = depth_quotient(problem.frame, problem.piece(int(owner[sample])), i, j)

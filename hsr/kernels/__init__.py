@@ -27,8 +27,8 @@ scan line, span
     A row of samples; those of one between two sides of a polygon. Of a ray: its interval within a solid.
 fragment
     A sample of a span with the depth of the polygon there, before the depth test.
-strip, tile, window
-    Scan lines for one thread; a rectangle of samples; the part of the image whose keys an array holds.
+strip, tile
+    Scan lines for one thread; a rectangle of samples, whose keys an array holds.
 extent, node, leaf
     A box around an object; around what is below it in a hierarchy; a node with boxes or triangles below it.
 cluster

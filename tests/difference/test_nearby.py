@@ -47,11 +47,12 @@ def test_pairs_are_those_of_boxes_a_pixel_wider(count: int, make_scene: Any) -> 
     nearby = faces_nearby(seen, samples)
     found = set(zip(nearby.sample.tolist(), nearby.origin[nearby.face].tolist(), strict=True))
     expected = set()
+    spot = np.column_stack(np.divmod(samples, 40)) + 0.5
     for face, places in screen_boxes(seen):
-        for sample in samples.tolist():
-            spot = np.array(divmod(sample, 40))[:, None] + 0.5
-            if places is None or ((places.min(1) <= spot.T + 1) & (places.max(1) >= spot.T - 1)).all():
-                expected.add((sample, face))
+        inside = np.full(len(spot), True)
+        if places is not None:
+            inside = ((places.min(1) <= spot + 1) & (places.max(1) >= spot - 1)).all(axis=1)
+        expected |= {(sample, face) for sample in samples[inside].tolist()}
     assert found == expected
     assert np.array_equal(nearby.samples, samples)
     assert [placement.name for placement in nearby.view.placements if placement.shape.curved] == ["ball"]

@@ -25,7 +25,7 @@ FILES = sorted(path.stem for path in SCENES.glob("*.toml"))
 
 @cache
 def built_in(name: str) -> tuple[View, VisibilityMap]:
-    side = 64 if name == "forest" else 24  # half a million triangles, crowded in fewer samples
+    side = 32 if name == "forest" else 24  # half a million triangles, crowded in fewer samples
     seen = view(hsr.load(SCENES / f"{name}.toml"), (side, side))
     return seen, exact.render(seen, exact.Options())
 

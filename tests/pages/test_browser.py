@@ -359,7 +359,7 @@ def test_where_only_ties_differ_one_with_a_history_is_shown(
 ) -> None:
     difference = studied.differences["shifted"]
     ties = np.where(difference.classes > 0, np.uint8(SampleClass.TIE), np.uint8(0))
-    tied = replace(studied, differences={"shifted": replace(difference, classes=ties, clusters=())})
+    tied = replace(studied, differences={"shifted": replace(difference, classes=ties)})
     write_report([tied], tmp_path / "ties.html")
     tab = browser.new_page()
     tab.goto((tmp_path / "ties.html").as_uri() + fragment("boxes", "shifted"))

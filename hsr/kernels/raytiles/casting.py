@@ -270,9 +270,7 @@ def cast(
         cast_tile(shapes, laid, special[0], listed[todo[k, 2] : todo[k, 3]], tile, eye, room, counts[k])
         fill.finish(tile, special[1], image, eye, room, counts[k])
         if kept is not None:
-            # Note for the next batch how far the tile shows.
-            for row, column in np.argwhere(tile.drawn):
-                tile.farthest[row, column] = fill.farthest_in(tile.keys, row * CELL, column * CELL)
+            remember(tile)
 
 
 @jit
@@ -282,6 +280,13 @@ def tile_before(row: int, column: int, kept: Kept | None, image: Image, eye: Eye
         return fill.empty_tile(row, column, image, eye)
     keys, farthest = kept[0][row, column], kept[1][row, column]
     return fill.tile_of(row, column, keys, farthest, image[1].shape[1], len(image[0]), eye)
+
+
+@jit
+def remember(tile: Tile) -> None:
+    """Note for the next batch how far a tile shows where it was drawn to."""
+    for row, column in np.argwhere(tile.drawn):
+        tile.farthest[row, column] = fill.farthest_in(tile.keys, row * CELL, column * CELL)
 
 
 @jit

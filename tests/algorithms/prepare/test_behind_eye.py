@@ -10,6 +10,7 @@ import numpy as np
 from hsr.algorithms.prepare.behind_eye import crossing_tables
 from hsr.algorithms.zbuffer import clusters_of, eye_of
 from hsr.certify import facets_at
+from hsr.certify.facets import Facet
 from hsr.kernels.projection import clip_rows, to_clip
 from hsr.kernels.zbuffer import setup
 from hsr.problem.view import View, view
@@ -50,15 +51,15 @@ def test_key_depths_are_within_their_bound() -> None:
     for seed in range(SEEDS):
         seen = around(seed)
         for eye, number, entry in entries(seen):
-            asked += sum(is_within(seen, eye, number, entry, *place) for place in np.ndindex(5, 5))
+            _, (facet,) = facets_at(seen, np.array([number], np.int32))
+            asked += sum(is_within(seen, eye, facet, entry, *place) for place in np.ndindex(5, 5))
     assert asked > 3 * SEEDS
 
 
 def is_within(
-    seen: View, eye: setup.Eye, number: int, entry: dict[str, float], row: int, column: int
+    seen: View, eye: setup.Eye, facet: Facet, entry: dict[str, float], row: int, column: int
 ) -> bool:
     """Check a sample of a triangle, if it covers it."""
-    _, (facet,) = facets_at(seen, np.array([number], np.int32))
     p = [2 * column + 1 - seen.width, seen.height - 1 - 2 * row, 1]
     if min(np.array(facet.inside, object) @ p) < 0:
         return False
