@@ -11,7 +11,7 @@ import numpy as np
 
 from hsr.algorithms.registry import Method, method_named
 from hsr.base.arrays import Array
-from hsr.base.errors import HsrError, MethodError, UnavailableError
+from hsr.base.errors import MethodError, UnavailableError
 from hsr.difference.cause import Causes, causes
 from hsr.difference.classes import Difference, compare
 from hsr.problem.map import VisibilityMap
@@ -145,25 +145,35 @@ def study(
     chosen = [method_named(name) for name in dict.fromkeys([*methods, reference])]
     problem = view(scene, size, camera)
     maps: dict[str, VisibilityMap] = {}
-    failed: dict[str, HsrError] = {}
+    skipped: dict[str, str] = {}
+    missing = set()
     for method in chosen:
         if progress is not None:
             progress(method.name)
         try:
             maps[method.name] = _run(method, problem, patient)
         except (MethodError, UnavailableError) as error:
-            failed[method.name] = error
+            skipped[method.name] = str(error).removeprefix(f"{method.name}: ")
+            if isinstance(error, UnavailableError):
+                missing.add(method.name)
     truth = maps.get(reference)
     others = {name: map for name, map in maps.items() if truth and name != reference}
-    skipped = {name: str(error).removeprefix(f"{name}: ") for name, error in failed.items()}
-    missing = frozenset(name for name, error in failed.items() if isinstance(error, UnavailableError))
-    names = tuple(method.name for method in chosen)
-    tessellating = tuple(method.name for method in chosen if problem.curved and not method.curved)
-    differences = {name: compare(map, truth) for name, map in others.items() if truth}
     why = {name: causes(problem, map, truth) for name, map in others.items() if truth and truth.admissible}
-    title, judge = name or scene.title or "scene", reference if truth else None
-    found = maps, skipped, missing, tessellating, differences, why, _agreement(list(maps.values()))
-    return Study(title, scene, problem, camera or scene.camera[0].name, names, judge, *found)
+    return Study(
+        name=name or scene.title or "scene",
+        scene=scene,
+        view=problem,
+        camera=camera or scene.camera[0].name,
+        methods=tuple(method.name for method in chosen),
+        reference=reference if truth else None,
+        maps=maps,
+        skipped=skipped,
+        missing=frozenset(missing),
+        tessellating=tuple(method.name for method in chosen if problem.curved and not method.curved),
+        differences={name: compare(map, truth) for name, map in others.items() if truth},
+        causes=why,
+        agreement=_agreement(list(maps.values())),
+    )
 
 
 def causes_of(studies: Sequence[Study], name: str) -> Counter[str]:
