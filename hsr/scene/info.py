@@ -167,8 +167,9 @@ def _sight_problem(projection: Projection, shape: Shape, matrices: Sequence[Floa
 
     It is cut if it has points on both sides of the plane, wherever they are on the screen.
     """
+    reach = shape.solid.reach
     for k, matrix in enumerate(matrices):
-        low, high = shape.solid.reach(projection.depth_row @ matrix)
+        low, high = reach(projection.depth_row @ matrix)
         if low < projection.near < high:
             which = f" (copy {k})" if len(matrices) > 1 else ""
             if projection.perspective and _holds(shape, np.linalg.solve(matrix, [*eye_of(projection), 1.0])):

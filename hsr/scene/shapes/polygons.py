@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import chain
 
 import numpy as np
@@ -67,15 +67,19 @@ class Polygons:
         vertices = self.vertices[used].astype(np.float64)
         return Polygons(vertices, corner.astype(np.int32), start.astype(np.int32), self.face[chosen])
 
-    @cached_property
+    @property
     def used(self) -> Floats:
-        """The vertices (n, 3) that are corners."""
-        return np.asarray(self.vertices[np.unique(self.corner)])
+        """The vertices (n, 3) that are corners; a copy, unless all are."""
+        index = np.unique(self.corner)
+        return self.vertices if len(index) == len(self.vertices) else self.vertices[index]
 
-    def reach(self, row: Floats) -> tuple[float, float]:
-        """Return the least and the greatest value of ``row @ (p, 1)`` over all points p."""
-        values = self.used @ row[:3] + row[3]
-        return float(values.min()), float(values.max())
+    @property
+    def reach(self) -> Callable[[Floats], tuple[float, float]]:
+        """From a row (4,) to the least and the greatest value of ``row @ (p, 1)`` over all points p.
+
+        It holds the vertices that are used: take it once, and ask it for many rows.
+        """
+        return partial(_reach, self.used)
 
     @cached_property
     def triangle_polygon(self) -> Ints:
@@ -95,3 +99,8 @@ class Polygons:
     def triangle_face(self) -> Ints:
         """Face (n,) that each fan triangle comes from."""
         return self.face[self.triangle_polygon]
+
+
+def _reach(points: Floats, row: Floats) -> tuple[float, float]:
+    values = points @ row[:3] + row[3]
+    return float(values.min()), float(values.max())

@@ -101,6 +101,13 @@ def test_polygons_are_fans_about_their_first_corner() -> None:
     assert polygons.triangle_face.tolist() == [7, 8, 8, 8, 7, 7]
 
 
+def test_used_vertices_are_no_copy_unless_some_are_not_used() -> None:
+    vertices = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [9, 9, 9]])
+    alike, fewer = (Polygons.of(some, [(0, 1, 2)]) for some in (vertices[:3], vertices))
+    assert alike.used is alike.vertices and fewer.used.tolist() == vertices[:3].tolist()
+    assert fewer.reach(np.array([1.0, 2.0, 0.0, 5.0])) == (5.0, 7.0)
+
+
 def test_triangles_are_their_own_fans() -> None:
     polygons = Polygons.of_rows(np.zeros((4, 3)), np.array([[0, 1, 2], [3, 2, 1]], dtype=np.int32))
     assert polygons.triangle_vertex.tolist() == [[0, 1, 2], [3, 2, 1]]
