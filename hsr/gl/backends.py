@@ -36,21 +36,25 @@ def _proven(backend: str, loader: Loader) -> Context:
 
 def _open_egl() -> Context:
     """Walk the EGL devices until one is llvmpipe; without it, take the first that draws."""
-    found: list[Context] = []
     reasons: list[str] = []
+    other: Context | None = None
     for device in range(MAX_EGL_DEVICES):
         try:
-            found.append(_proven("egl", egl(device)))
+            context = _proven("egl", egl(device))
         except HsrError as error:
             reasons.append(str(error))
-        if found and found[-1].renderer.startswith(SOFTWARE):
-            found.insert(0, found.pop())
-            break
-    if not found:
-        raise NoOpenGLError(reasons[0])
-    for other in found[:0:-1]:
-        other.release()
-    return found[0]
+            continue
+        if context.renderer.startswith(SOFTWARE):
+            if other:
+                other.release()
+            return context
+        if other:
+            context.release()
+        else:
+            other = context
+    if other:
+        return other
+    raise NoOpenGLError(reasons[0])
 
 
 BACKENDS: dict[str, Callable[[], Context]] = {"osmesa": lambda: _proven("osmesa", osmesa()), "egl": _open_egl}

@@ -75,10 +75,13 @@ def test_a_context_that_opens_and_does_not_draw_is_refused() -> None:
 class FakeContext:
     """A context whose driver is the loader's name."""
 
+    opened: int
     released: list[str]
 
     def __init__(self, _backend: str, loader: Any) -> None:
         self.renderer = loader
+        FakeContext.opened += 1
+        assert FakeContext.opened - len(self.released) <= 2, "the one that is kept and the one that is tried"
 
     def release(self) -> None:
         self.released.append(self.renderer)
@@ -90,7 +93,7 @@ def walk(devices: dict[int, str], monkeypatch: pytest.MonkeyPatch) -> tuple[str,
             raise UnavailableError(f"no device {index}")
         return devices[index]
 
-    FakeContext.released = []
+    FakeContext.opened, FakeContext.released = 0, []
     monkeypatch.setattr(backends, "egl", device)
     monkeypatch.setattr(backends, "Context", FakeContext)
     monkeypatch.setattr(backends, "flaw", lambda _context: None)
@@ -106,6 +109,7 @@ def test_egl_prefers_the_device_of_llvmpipe(monkeypatch: pytest.MonkeyPatch) -> 
 
 def test_egl_takes_the_first_device_where_none_is_llvmpipe(monkeypatch: pytest.MonkeyPatch) -> None:
     assert walk({1: "GPU 0", 2: "GPU 1"}, monkeypatch) == ("GPU 0", ["GPU 1"])
+    assert len(walk({index: f"GPU {index}" for index in range(5)}, monkeypatch)[1]) == 4
 
 
 def test_egl_without_devices_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
