@@ -99,7 +99,7 @@ def measure(
     *,
     explain: bool = True,
     patience: float = math.inf,
-    progress: Progress = lambda _: None,
+    progress: Progress | None = None,
 ) -> Results:
     """Judge and time methods on cases.
 
@@ -118,7 +118,7 @@ def measure(
         Whether to find the causes of wrong samples.
     patience : float
         How many tests of a face at a sample to wait for: exhaustive methods sit out cases that need more.
-    progress : callable
+    progress : callable, optional
         Called before every step with its name; a case has ``repeat + 1``.
 
     Returns
@@ -132,12 +132,20 @@ def measure(
     """
     equal_threads()
     chosen = [method_named(name) for name in dict.fromkeys(names or default_methods())]
-    turns, rows = max(repeat, FEWEST), list[Row]()
+    turns = max(repeat, FEWEST)
+    rows: list[Row] = []
     for case in cases:
         contest = [Contestant(method, case, _reason_to_sit_out(method, case, patience)) for method in chosen]
-        rows += _measure_case(case, contest, turns, explain, progress)
-    made = {"date": datetime.now(UTC).isoformat(timespec="seconds"), "commit": commit(), "machine": machine()}
-    return Results(hsr=1, kind="bench", repeat=turns, rows=tuple(rows), **made)
+        rows += _measure_case(case, contest, turns, explain, progress or (lambda _: None))
+    return Results(
+        hsr=1,
+        kind="bench",
+        date=datetime.now(UTC).isoformat(timespec="seconds"),
+        commit=commit(),
+        repeat=turns,
+        machine=machine(),
+        rows=tuple(rows),
+    )
 
 
 def _measure_case(
@@ -148,7 +156,8 @@ def _measure_case(
     truth = render(fresh(case.view), "exact")
     for contestant in contest:
         contestant.attempt(contestant.judge, truth, explain)
-    order, begun, marks = np.random.default_rng(SEED), clocks(), list[float]()
+    order, begun = np.random.default_rng(SEED), clocks()
+    marks: list[float] = []
     for turn in range(repeat):
         step(f"{label}: turn {turn + 1} of {repeat}")
         marks.append(yardstick())
@@ -209,24 +218,36 @@ class Contestant:
         problem = fresh(self.case.view)
         with peak_memory() as peak:
             answer = self.method.render(problem)
-        threads, size = answer.notes.get("threads", equal_threads()), answer.face.nbytes + answer.depth.nbytes
-        by = {"driver": answer.notes.get("driver", ""), "threads": threads, "warm_up": round(warm_up, 4)}
-        told = {"verdict": verdict(self.case.view, answer, truth, explain), "work": answer.work}
-        self.facts = {**by, **told, "peak_bytes": peak.rise, "buffer_bytes": size}
+        self.facts = {
+            "driver": answer.notes.get("driver", ""),
+            "threads": answer.notes.get("threads", equal_threads()),
+            "warm_up": round(warm_up, 4),
+            "verdict": verdict(self.case.view, answer, truth, explain),
+            "work": answer.work,
+            "peak_bytes": peak.rise,
+            "buffer_bytes": answer.face.nbytes + answer.depth.nbytes,
+        }
 
     def row(self, state: dict[str, float | None]) -> Row:
         """Return what was found, with the state of the machine meanwhile."""
         case, seen = self.case, self.case.view
-        found: dict[str, Any] = {"absent": self.absent}
-        if not self.absent:
-            turns = [turn | {"total": sum(turn.values())} for turn in self.turns]
-            times = {stage: timing([turn[stage] for turn in turns]) for stage in turns[0]}
-            found = {**self.facts, "times": times, **state}
-        name, what = self.method.name, f"{case.scene}/{seen.width}x{seen.height}/{case.cull}"
-        triangles = len(seen.tessellated().polygons.triangle_face)
-        asked = {"scene": case.scene, "series": case.series, "cull": case.cull, "hashes": seen.hashes}
-        counts = {"width": seen.width, "height": seen.height, "faces": seen.faces, "triangles": triangles}
-        return Row(id=f"{what}/{name}", method=name, **asked, **counts, **found)
+        head: dict[str, Any] = {
+            "id": f"{case.scene}/{seen.width}x{seen.height}/{case.cull}/{self.method.name}",
+            "series": case.series,
+            "scene": case.scene,
+            "width": seen.width,
+            "height": seen.height,
+            "cull": case.cull,
+            "method": self.method.name,
+            "faces": seen.faces,
+            "triangles": len(seen.tessellated().polygons.triangle_face),
+            "hashes": seen.hashes,
+        }
+        if self.absent:
+            return Row(**head, absent=self.absent)
+        turns = [turn | {"total": sum(turn.values())} for turn in self.turns]
+        times = {stage: timing([turn[stage] for turn in turns]) for stage in turns[0]}
+        return Row(**head, **self.facts, times=times, **state)
 
 
 # ---------------------------------------------------------------- judging

@@ -35,7 +35,7 @@ PACKAGES = ("hsr-lab", "numpy", "numba", "scipy", "moderngl")
 
 
 def write_report(
-    studies: Sequence[Study], path: str | Path, title: str = TITLE, progress: Progress = lambda _: None
+    studies: Sequence[Study], path: str | Path, title: str = TITLE, progress: Progress | None = None
 ) -> None:
     """Write a report on several studies as one HTML file that needs no network.
 
@@ -51,7 +51,7 @@ def write_report(
         One a scene, each with one map at least.
     title : str
         What the page is headed by.
-    progress : callable
+    progress : callable, optional
         Called with a study's name before the histories of its samples are told, which takes seconds.
 
     Raises
@@ -66,7 +66,8 @@ def write_report(
         raise HsrError("nothing to report: no scenes")
     data = []
     for found in studies:
-        progress(f"histories of {found.name}")
+        if progress is not None:
+            progress(f"histories of {found.name}")
         data.append(inspection(found, min(DIGITS, ALL_DIGITS // len(studies))))
     write_whole(path, _page(studies, title, data), "the report")
 
@@ -86,6 +87,7 @@ def _page(studies: Sequence[Study], title: str, data: Sequence[dict[str, Any]]) 
         classes=ABOUT.items(),
         different=DIFFERENT,
         causes=causes,
+        unexplained=Cause.UNEXPLAINED.label,
         stages=[cause.label for cause in Cause if any(why[cause.label] for why in causes.values())],
         extent=_extent,
         expected=_expected,

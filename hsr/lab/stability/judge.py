@@ -161,7 +161,7 @@ class Result:
 
 
 def judge(
-    family: Family, quick: bool = False, asked: Sequence[str] = (), progress: Progress = lambda _: None
+    family: Family, quick: bool = False, asked: Sequence[str] = (), progress: Progress | None = None
 ) -> Result:
     """Run a family.
 
@@ -173,7 +173,7 @@ def judge(
     asked : sequence of str
         The variants or methods that take part; by default the certified methods, the family's variants
         and the peers.
-    progress : callable
+    progress : callable, optional
         Called with a line before each value of the parameter.
 
     Raises
@@ -189,7 +189,8 @@ def judge(
     drivers: dict[str, str] = {}
     variants = family.contenders(tuple(asked), quick)
     for value in family.values(quick):
-        progress(f"{family.name} {value:g}")
+        if progress is not None:
+            progress(f"{family.name} {value:g}")
         problem = _Problem(family, value, side)
         for variant in (one for one in variants if one.name not in skipped):
             try:
