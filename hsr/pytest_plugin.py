@@ -112,8 +112,10 @@ def _check_results(results: Path) -> None:
     """Refuse a folder of results that holds what is not ours."""
     if results.exists() and not results.is_dir():
         raise pytest.UsageError(f"{results}: results need a folder, and this is a file")
-    # The mark is written before anything else, so whoever sees more sees the mark, too.
-    strange = results.is_dir() and any(MARK not in file.name for file in results.iterdir())
+    # The mark is written before anything else, so whoever sees more sees the mark, too. Its name is another
+    # as long as it is unfinished, see write_whole.
+    marks = MARK, f".{MARK}."
+    strange = results.is_dir() and any(not file.name.startswith(marks) for file in results.iterdir())
     if strange and not _ours(results):
         raise pytest.UsageError(f"{results}: not empty, and no results of checks; name another folder")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import xml.etree.ElementTree as ElementTree
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 from hsr.cli.app import app
+from hsr.pytest_plugin import _check_results
 
 BASELINES = "__visibility__/test_baselines"
 
@@ -333,6 +335,14 @@ def test_a_folder_of_other_things_is_refused(project: pytest.Pytester) -> None:
     assert run.ret == pytest.ExitCode.USAGE_ERROR
     run.stderr.fnmatch_lines(["*not empty, and no results of checks; name another folder"])
     assert (project.path / "room.toml").exists()
+
+
+def test_an_unfinished_mark_is_ours_and_a_like_name_is_not(tmp_path: Path) -> None:
+    (tmp_path / "..gitignore.4711").write_text("", encoding="ascii")  # see hsr.base.files.write_whole
+    _check_results(tmp_path)
+    (tmp_path / "my.gitignore").write_text("", encoding="ascii")
+    with pytest.raises(pytest.UsageError, match="not empty"):
+        _check_results(tmp_path)
 
 
 # ---------------------------------------------------------------- decisions
