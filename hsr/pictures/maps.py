@@ -84,7 +84,8 @@ def class_picture(classes: Pixels, covered: Bools, colours: Mapping[int, tuple[i
 
     side = -(-max(classes.shape) // SMALL)
     palette = np.zeros((256, 4), dtype=np.uint8)
-    palette[list(colours)] = [(*colour, 255) for colour in colours.values()]
+    for number, colour in colours.items():
+        palette[number] = (*colour, 255)
     painted = np.where(np.isin(classes, list(colours)), classes, 0)
     picture: Pixels = palette[block_reduce(painted, side, np.max)]
     picture[(picture[..., 3] == 0) & block_reduce(covered, side, np.max)] = COVERED

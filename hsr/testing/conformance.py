@@ -46,7 +46,7 @@ class Trial(NamedTuple):
 
         There a method that is not certified may err, as far as its own models say why.
         """
-        return self.camera is GRID
+        return self.camera == GRID
 
     def view(self) -> View:
         """Return what is seen."""

@@ -246,9 +246,11 @@ def judge(
         If depths are to be judged that a map does not tell.
     """
     difference = compare(shown, expected)
-    truth = expected if expected.admissible is not None else None if subject is None else subject.truth
+    truth = _truth(expected, subject)
     other = shown.face != expected.face
-    tied = other & (truth is not None and truth.admits(shown.face) & truth.admits(expected.face))
+    tied = np.zeros_like(other)
+    if truth is not None:
+        tied = other & truth.admits(shown.face) & truth.admits(expected.face)
     apart = other & ~tied
     why = _causes(shown, truth, subject) if apart.any() else None
     wrong = apart if truth is None else apart & ~truth.admits(shown.face)
@@ -262,6 +264,12 @@ def judge(
 
 
 # ---------------------------------------------------------------- what differs, and why
+
+
+def _truth(expected: VisibilityMap, subject: Subject | None) -> VisibilityMap | None:
+    if expected.admissible is not None:
+        return expected
+    return None if subject is None else subject.truth
 
 
 def _causes(shown: VisibilityMap, truth: VisibilityMap | None, subject: Subject | None) -> Causes | None:

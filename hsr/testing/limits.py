@@ -107,11 +107,14 @@ def merged(sources: Iterable[tuple[str, Mapping[str, Any]]]) -> Limits:
     CheckError
         If a limit does not exist or makes no sense.
     """
-    given = {name: (value, who) for who, limits in reversed([*sources]) for name, value in limits.items()}
-    for name, (_, who) in given.items():
-        if name not in NAMES:
-            raise CheckError(f"{who}: there is no limit {name!r}; there are {', '.join(NAMES)}")
-    values: dict[str, Any] = {name: value for name, (value, _) in given.items()}
+    values: dict[str, Any] = {}
+    origin: dict[str, str] = {}
+    for who, given in sources:
+        for name, value in given.items():
+            if name not in NAMES:
+                raise CheckError(f"{who}: there is no limit {name!r}; there are {', '.join(NAMES)}")
+            values.setdefault(name, value)
+            origin.setdefault(name, who)
     if not isinstance(values.get("allow", ""), str):
         values["allow"] = frozenset(values["allow"])
-    return Limits(**values, origin={name: who for name, (_, who) in given.items()})
+    return Limits(**values, origin=origin)

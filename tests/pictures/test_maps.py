@@ -4,7 +4,7 @@ import numpy as np
 
 from hsr.difference.classes import SampleClass, compare
 from hsr.difference.study import Study
-from hsr.pictures.maps import SMALL, depth_picture, depth_shares, depth_span, face_picture
+from hsr.pictures.maps import SMALL, class_picture, depth_picture, depth_shares, depth_span, face_picture
 from hsr.pictures.palette import CLASS_COLOURS, COVERED, face_colours
 from hsr.problem.map import VisibilityMap
 
@@ -42,6 +42,11 @@ def test_a_small_picture_shows_what_counts_and_what_is_covered(studied: Study) -
         here = difference.classes == kind
         assert here.any() and (picture[here] == (*CLASS_COLOURS[kind.label], 255)).all()
     assert tuple(picture[30, 30]) == COVERED and tuple(picture[0, 0]) == (0, 0, 0, 0)
+
+
+def test_a_small_picture_of_no_class_shows_what_is_covered() -> None:
+    picture = class_picture(np.full((2, 2), 3, np.uint8), np.array([[True, False], [False, True]]), {})
+    assert [tuple(pixel) for pixel in picture.reshape(4, 4)] == [COVERED, 4 * (0,), 4 * (0,), COVERED]
 
 
 def test_a_single_sample_survives_in_a_small_picture() -> None:

@@ -33,6 +33,11 @@ def test_the_first_source_wins_limit_by_limit() -> None:
     assert limits.told("max_diff_pixels") == "max_diff_pixels=5 (command line)"
 
 
+def test_of_unknown_limits_the_first_is_named() -> None:
+    with pytest.raises(CheckError, match="marker: there is no limit 'max_pixels'"):
+        merged([("marker", {"max_pixels": 2}), ("command line", {"max_samples": 5})])
+
+
 @pytest.mark.parametrize(
     ("given", "complaint"),
     [
