@@ -87,9 +87,11 @@ def _rounded(placement: Placement) -> Placement:
 
 def transform(view: View, options: Options, samples: Array) -> Ints:
     """Model the rounding of the composed matrices and of projected vertices."""
-    if options.acceleration != "tiles" and options.test != "screen":
+    if options.acceleration == "tiles":
+        return true_faces(_in_clip_space(view))[samples]
+    if options.test != "screen":
         return input_rounding(view, options, samples)
-    return true_faces((_in_clip_space if options.acceleration == "tiles" else _on_screen)(view))[samples]
+    return true_faces(_on_screen(view))[samples]
 
 
 def traversal(view: View, options: Options, samples: Array) -> Ints:

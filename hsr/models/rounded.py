@@ -24,6 +24,7 @@ from hsr.scene.shapes import Kind, Shape
 
 THIRD = np.array([0.0, 0.0, 1.0, 0.0])
 """The row of a matrix that reads off the third coordinate."""
+THIRD.flags.writeable = False
 
 fractions = np.frompyfunc(lambda number: Fraction(float(number)), 1, 1)
 """Turns an array of floats into one of fractions, which are what they are."""
@@ -91,9 +92,10 @@ def seen_along_third(view: View, x: float = 1.0, y: float = 1.0, w: float = 1.0)
     View
         Near, far and the kind of projection are those of ``view``.
     """
-    matrix = np.diag([x, y, 1.0, w])
+    z_row, w_row = [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, w]
     if view.perspective:
-        matrix[2:] = matrix[2:, [0, 1, 3, 2]]
+        z_row, w_row = [0.0, 0.0, 0.0, 1.0], [0.0, 0.0, w, 0.0]
+    matrix = np.array([[x, 0.0, 0.0, 0.0], [0.0, y, 0.0, 0.0], z_row, w_row])
     return replace(view, clip_from_world=matrix, depth_row=THIRD)
 
 

@@ -27,7 +27,6 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 
@@ -35,7 +34,7 @@ from hsr.algorithms.prepare.depth_formats import unrounded
 from hsr.algorithms.scanline import TESTS, Options, cull_on_screen, depths_in, render, screen_of, upright
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.kernels.clipping import clip_polygons, view_volume
-from hsr.kernels.polygon_table import polygon_table
+from hsr.kernels.polygon_table import PolygonTable, polygon_table
 from hsr.kernels.projection import clip_rows, to_clip
 from hsr.kernels.strips import scan_convert
 from hsr.models.rounded import (
@@ -162,8 +161,8 @@ def _boxes(view: View, polygons: WorldPolygons, first: Ints) -> Array:
 def fill_rule(view: View, options: Options, samples: Array) -> Ints:
     """Model the coverage: of the polygons that the method draws at a sample, the nearest."""
     view, samples = view.tessellated(), _scanned(view, options, samples)
-    polygons, number = on_screen(view, options), np.arange(len(view.polygons), dtype=np.int32)
-    drawn = _drawn(view, polygons, number, layers_of(view, polygons, samples), options)
+    polygons = on_screen(view, options)
+    drawn = _drawn(view, polygons, layers_of(view, polygons, samples), options)
     return nearest_drawn(view, polygons, drawn, samples, later=options.depth_test == "less-equal")
 
 
@@ -218,15 +217,19 @@ def layers_of(view: View, polygons: WorldPolygons, samples: Array) -> list[list[
 
 
 def _drawn(
-    view: View, polygons: WorldPolygons, number: Ints, layers: Iterable[Any], options: Options, **form: Any
+    view: View, polygons: WorldPolygons, layers: Iterable[list[int]], options: Options
 ) -> Iterator[Ints]:
-    """Scan convert each layer of numbered polygons by itself, and yield the number (H, W) at each sample."""
-    size, cull = (view.width, view.height), cull_on_screen(polygons.cull, options)
-    screen, corner = polygons.vertices, polygons.corner
-    table = polygon_table(screen, corner, polygons.start, number, cull, size)
+    """Scan convert each layer of polygons by itself, and yield the number (H, W) of that at each sample."""
+    size, number = (view.width, view.height), np.arange(len(polygons), dtype=np.int32)
+    table = _table(polygons, number, options, size)
     for layer in layers:
         some = table._replace(plane=table.plane[layer], row=table.row[layer])
-        yield scan_convert(some, size, options.directly, **form)[1]
+        yield scan_convert(some, size, options.directly)[1]
+
+
+def _table(polygons: WorldPolygons, number: Ints, options: Options, size: tuple[int, int]) -> PolygonTable:
+    screen, cull = polygons.vertices, cull_on_screen(polygons.cull, options)
+    return polygon_table(screen, polygons.corner, polygons.start, number, cull, size)
 
 
 def _plane(polygons: WorldPolygons, i: int) -> tuple[Fraction, Fraction, Fraction]:
@@ -248,9 +251,10 @@ def _plane(polygons: WorldPolygons, i: int) -> tuple[Fraction, Fraction, Fractio
 def depth_arithmetic(view: View, options: Options, samples: Array) -> Ints:
     """Run the method without rounding depths to what the buffer holds."""
     view, samples = view.tessellated(), _scanned(view, options, samples)
-    polygons = on_screen(view, options)
+    polygons, size = on_screen(view, options), (view.width, view.height)
     form = unrounded(TESTS[options.depth_test], options.arithmetic == "fixed")
-    (face,) = _drawn(view, polygons, polygons.face, [slice(None)], options, form=form)
+    table = _table(polygons, polygons.face, options, size)
+    face = scan_convert(table, size, options.directly, form=form)[1]
     return np.asarray(face.ravel()[samples])
 
 
