@@ -16,10 +16,20 @@ from hsr.problem.map import BACKGROUND
 from hsr.problem.view import CULL, Placement, View
 from hsr.scene.shapes import Kind, Polygons, Shape
 
-COVERED = np.tri(8, 4, -1, dtype=np.bool_)
-"""Where triangle 0 is in the left half: from a sample more in each row on to all. Triangle 1 mirrors it."""
+PICTURE = """
+. . . . . . . .
+0 . . . . . . 1
+0 0 . . . . 1 1
+0 0 0 . . 1 1 1
+0 0 0 0 1 1 1 1
+0 0 0 0 1 1 1 1
+0 0 0 0 1 1 1 1
+0 0 0 0 1 1 1 1
+"""
 
-FACE = np.hstack([np.where(COVERED, 0, BACKGROUND), np.where(COVERED[:, ::-1], 1, BACKGROUND)])
+FACE = np.array(
+    [[BACKGROUND if k == "." else int(k) for k in row.split()] for row in PICTURE.split("\n")[1:-1]]
+)
 
 X = (2 * np.arange(8) + 1) / 8 - 1
 """Where the samples of a row lie, from -1 to 1."""
