@@ -101,10 +101,11 @@ def facet_of(frame: Frame, placement: Placement, face: int, corners: Sequence[Co
         turn, edges = -turn, tuple((-x, -y, -z) for x, y, z in edges)
 
     depth, one = (_combined(a[k], b[k], c[k], edges) for k in (3, 4))
-    ways = zip((1, -1), frame.limits, strict=False)
-    limits = [_combined(way, -way * limit, 0, (depth, one, one)) for way, limit in ways]
-    below = _combined(frame.unit, 0, 0, (one, one, one))
-    return Facet(face, drawn, (*edges, *limits), _plane(frame, turn, depth, one), (depth, below))
+    near, *far = frame.limits
+    inside = (*edges, _sum(1, depth, -near, one), *(_sum(-1, depth, limit, one) for limit in far))
+    (x, y, z), unit = one, frame.unit
+    below = (unit * x, unit * y, unit * z)
+    return Facet(face, drawn, inside, _plane(frame, turn, depth, one), (depth, below))
 
 
 def _cross(a: Corner, b: Corner) -> Affine:
@@ -113,10 +114,15 @@ def _cross(a: Corner, b: Corner) -> Affine:
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
-def _combined(p: int, q: int, r: int, functions: Sequence[Affine]) -> Affine:
-    """Return the sum; of edges, the function of these values at the corners, times the determinant."""
-    (ax, ay, az), (bx, by, bz), (cx, cy, cz) = functions
+def _combined(p: int, q: int, r: int, edges: Sequence[Affine]) -> Affine:
+    """Return the affine function that has these values at the corners, times the determinant."""
+    (ax, ay, az), (bx, by, bz), (cx, cy, cz) = edges
     return p * ax + q * bx + r * cx, p * ay + q * by + r * cy, p * az + q * bz + r * cz
+
+
+def _sum(p: int, one: Affine, q: int, other: Affine) -> Affine:
+    (ax, ay, az), (bx, by, bz) = one, other
+    return p * ax + q * bx, p * ay + q * by, p * az + q * bz
 
 
 def _plane(frame: Frame, turn: int, depth: Affine, one: Affine) -> tuple[int, int, int, int]:

@@ -127,7 +127,9 @@ def _measure(
             cli.print_table(*table)
             cli.out.print()
         cli.say(*sentences(growth(found)))
-        notes += [conditions(found), *[BUSY] * ((found.foreign_load or 0.0) > NOTABLE_LOAD)]
+        notes.append(conditions(found))
+        if (found.foreign_load or 0.0) > NOTABLE_LOAD:
+            notes.append(BUSY)
     if not quiet:
         cli.say(*notes, to=cli.err)
 

@@ -12,10 +12,10 @@ from typer import BadParameter, Exit, Option
 
 import hsr
 from hsr.base.errors import HsrError, UnavailableError
+from hsr.cli import common as cli
 
 if TYPE_CHECKING:
     from hsr.difference.study import Study
-from hsr.cli import common as cli
 
 
 def compare(

@@ -115,7 +115,8 @@ def _fill(packet: Array, sight: Sight, side: int, top: int, left: int) -> None:
             for column in range(side):
                 whole = sight.of_row[axis, top + row] + sight.of_column[axis, left + column]
                 target[row * side + column] = whole
-    packet[NEAREST], packet[FARTHEST], ids = 0.0, sight.reach, packet.view(np.int32)
+    packet[NEAREST], packet[FARTHEST] = 0.0, sight.reach
+    ids = packet.view(np.int32)
     ids[MASK], ids[TRIANGLE], ids[GEOMETRY] = -1, NOTHING, NOTHING
 
 

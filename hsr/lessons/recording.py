@@ -135,7 +135,7 @@ class _Recorder:
         self.slots = tuple((f.__name__, name) for f, names in probe.shown.items() for name in names)
         self.watched = [compile(name, "<watched>", "eval") for _, name in self.slots]
         self.looks = {python_of(f).__code__: look for f, look in probe.buffers.items()}
-        self.rivals = {python_of(f).__code__: met for f, met in filter(None, [probe.rival])}
+        self.rivals = {} if probe.rival is None else {python_of(probe.rival[0]).__code__: probe.rival[1]}
         self.until = probe.until and python_of(probe.until).__code__
         self.ended = False
         self.looked: FrameType | None = None

@@ -128,7 +128,8 @@ def _camera_from_world(camera: Perspective | Orthographic) -> Floats:
 
 def _placed(camera: Perspective | Orthographic, aspect: float) -> Projection:
     pose = _camera_from_world(camera)
-    depth_row, near, far = -pose[2], camera.near, math.inf if camera.far is None else camera.far
+    depth_row, near = -pose[2], camera.near
+    far = math.inf if camera.far is None else camera.far
     if isinstance(camera, Perspective):
         (half_x, half_y), ratio = half_tangents(camera, aspect), near / far
         z_scale, z_offset = (1.0 + ratio) / (1.0 - ratio), -2.0 * near / (1.0 - ratio)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import reduce
 
 import numpy as np
 from flint import arb, arb_mat, ctx, fmpq
@@ -39,7 +38,9 @@ def compose(steps: Sequence[Step]) -> Floats:
     if not steps:
         return np.eye(4)
     with ctx.workprec(PRECISION):
-        product = reduce(lambda before, step: _matrix_of(step) * before, steps[1:], _matrix_of(steps[0]))
+        product = _matrix_of(steps[0])
+        for step in steps[1:]:
+            product = _matrix_of(step) * product
         matrix = np.array([[_rounded(product[i, j]) for j in range(4)] for i in range(4)])
     if not np.isfinite(matrix).all() or exact_determinant(matrix[:3, :3]) == 0:
         raise SceneError("the steps together over- or underflow float64; use less extreme numbers")

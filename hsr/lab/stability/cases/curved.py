@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from hsr.lab.stability.building import central, parallel, placed, scene_of, wall
 from hsr.lab.stability.family import HILL, Variant, hard_case, octaves, source, truth, variants
 from hsr.lab.stability.rounding import first_drafts
@@ -70,6 +68,7 @@ def lowest(unit: float, side: int) -> float:
     return 10.0 * unit * RADIUS * side / 8.0
 
 
+# Powers themselves are not rounded.
 @hard_case("rays", "height above the ground, in metres", tuple(0.7 * h for h in octaves(16, -28, 2)))
 @truth("The planet below the horizon, the sky above.")
 @source(HAINES)
@@ -126,10 +125,12 @@ def tangent_rays(depth: float, side: int) -> Scene:
     sign of the discriminant is all that tells, and it is as small as that little. Computed as b^2 - a c it
     carries the rounding of the squared distance; from the nearest point of the ray, that of the radius.
     """
-    r, (row, column) = touched(side), np.mgrid[:4, :4].reshape(2, -1)
-    x, y = (np.array([column, row]) + 0.5) * side / 4 + 0.5 - 0.5 * side
-    middle = np.stack([x + np.where((row + column) % 2, depth, -depth) - r, y, 0.0 * y - RADII * r], axis=1)
-    spheres = [placed("sphere", r, at) for at in middle.tolist()]
+    r, spheres = touched(side), []
+    for row in range(4):
+        for column in range(4):
+            inside = depth if (row + column) % 2 else -depth
+            x, y = ((k + 0.5) * side / 4 + 0.5 - 0.5 * side for k in (column, row))
+            spheres.append(placed("sphere", r, [x + inside - r, y, -RADII * r]))
     return scene_of(parallel(side, 0.0, 2.0 * RADII * r), *spheres, segments=8)
 
 
@@ -210,7 +211,7 @@ def touching_solids(thickness: float, side: int) -> Scene:
 
 @hard_case("rays", "greatest tilt of a ray against the axis", octaves(-2, -36, 2))
 @truth("The wall where the ray leaves through it, the cap at the end elsewhere.")
-@source("F. S. Hill, S. M. Kelley, Computer Graphics Using OpenGL, intersecting rays with a cylinder")
+@source(f"{HILL}, intersecting rays with a cylinder")
 @variants(
     *first_drafts(
         "general axis,",

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from hsr.lab.stability.building import closed_fan, flat, grid, mesh, panel, parallel, scene_of
-from hsr.lab.stability.family import Variant, hard_case, octaves, source, truth, variants
+from hsr.lab.stability.family import OPENGL, Variant, hard_case, octaves, source, truth, variants
 from hsr.scene.model import Scene
 
 
@@ -28,7 +28,7 @@ def fewest(side: int) -> float:
 
 @hard_case("coverage", "number of spokes", octaves(2, 13), continuous=False)
 @truth("Within the disc the triangle whose angle holds the sample, the background outside.")
-@source("The OpenGL Graphics System, 3.6.1: polygons that share an edge produce each fragment once")
+@source(f"{OPENGL}, 3.6.1: polygons that share an edge produce each fragment once")
 @variants(
     Variant("scanline-snap-4", fewest, "2^(b+3) / W spokes, but no fewer than the sweep has"),
     Variant("scanline-snap-8", lambda side: spokes_of(8, side), "2^(b+3) / W spokes", 4.0),
@@ -51,6 +51,7 @@ def fan(spokes: float, side: int) -> Scene:
 @hard_case("order", "number of slats each way", octaves(1, 9), continuous=False)
 @truth("An upright slat, else a level one, else the background.")
 @source("M. McKenna, Worst-Case Optimal Hidden-Surface Removal (ACM Transactions on Graphics 6, 1987)")
+# 4 k edges are moved by 2^-(b+2): each passes a column or line of samples with that probability.
 @variants(
     Variant("scanline-snap-4", 2.0**4, "2^b slats", 4.0),
     Variant("scanline-snap-8", 2.0**8, "2^b slats", 4.0),
@@ -81,7 +82,7 @@ def pitch_of(bits: int, side: int) -> float:
 
 @hard_case("coverage", "pitch of the mesh, in pixels", octaves(4, -2))
 @truth("One triangle of the mesh at every sample within its outline.")
-@source("The OpenGL Graphics System, 3.6.1: polygons that share an edge produce each fragment once")
+@source(f"{OPENGL}, 3.6.1: polygons that share an edge produce each fragment once")
 @variants(
     Variant("scanline-snap-4", 16.0, "0.85 W^2 2^-(b+2) px, beyond the start of the sweep"),
     Variant("scanline-snap-8", lambda side: pitch_of(8, side), "0.85 W^2 2^-(b+2) px", 4.0),

@@ -15,11 +15,7 @@ BEHIND = (-2.0, -1.0, -0.5, -0.25, -0.125, -0.0625, 0.0, 0.0625, 0.125, 0.25, 0.
 @truth("The part of each triangle that lies before the near plane.")
 @source("M. Olano, T. Greer, Triangle Scan Conversion Using 2D Homogeneous Coordinates (1997)")
 @variants(
-    buffer(
-        "no clipping",
-        0.0,
-        "0: the divide by w < 0 mirrors the corner",
-    ),
+    buffer("no clipping", 0.0, "0: the divide by w < 0 mirrors the corner"),
     Variant("scanline-direct", None, "clipped before the divide"),
 )
 def behind_the_eye(behind: float, _: int) -> Scene:

@@ -8,6 +8,7 @@ import numpy as np
 
 from hsr.lab.stability.building import loose, parallel, quads, scene_of
 from hsr.lab.stability.family import (
+    FOLEY,
     Variant,
     also,
     another_choice,
@@ -52,9 +53,7 @@ def cyclic_overlap(tilt: float, side: int) -> Scene:
 
 @hard_case("order", "slope of each plane, in depth ranges a pixel", octaves(-7, -32))
 @truth("The plane that comes forward, on either side of the middle.")
-@source(
-    "J. Foley, A. van Dam, S. Feiner, J. Hughes, Computer Graphics: Principles and Practice, 15.4 and 15.5"
-)
+@source(f"{FOLEY}, 15.4 and 15.5")
 @variants(
     Variant("painter", 2.0**-7, "always: no order of two is right"),
     Variant("scanline-d16", 1.0 / (2.0**16 - 1.0), "q = 1 / (2^16 - 1)"),

@@ -64,7 +64,10 @@ def changed(trial: Trial) -> Bools:
     return differs
 
 
-@hard_case("relations", "number of the change", (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0), continuous=False)
+NUMBERS = tuple(map(float, range(1, len(CHANGES) + 1)))
+
+
+@hard_case("relations", "number of the change", NUMBERS, continuous=False)
 @also(wrong=changed, figure_name="samples that change")
 @truth("The same picture, moved or mirrored as the scene was.")
 @source(f"T. Chen, S. Cheung, S. Yiu, Metamorphic Testing (1998); {OPENGL}, appendix on invariance")
