@@ -28,7 +28,7 @@ from hsr.base.arrays import Array, Floats
 from hsr.base.jit import jit
 from hsr.kernels.culling import CULL_BACK, CULL_FRONT
 from hsr.kernels.zbuffer.fill import TRIANGLES, Box, Tile, is_farther, key_of, write
-from hsr.kernels.zbuffer.setup import ANYWHERE, FARTHEST, LANES, Eye, U, key_depth, nearness_error
+from hsr.kernels.zbuffer.setup import ANYWHERE, FARTHEST, Eye, U, key_depth, nearness_error
 
 QUADRIC = np.dtype(
     [
@@ -226,9 +226,8 @@ def cast_into_quadric(thing: Any, tile: Tile, eye: Eye, doubts: Array | None, co
 @jit
 def box_of(thing: Any, tile: Tile) -> Box:
     """Return the samples of the image that are in a tile and may be covered."""
-    end_line, end_column = tile.line + len(tile.keys), tile.column + tile.keys.shape[1] - LANES
     first_line, first_column = max(thing["top"], tile.line), max(thing["left"], tile.column)
-    return first_line, min(thing["bottom"], end_line), first_column, min(thing["right"], end_column)
+    return first_line, min(thing["bottom"], tile.end_line), first_column, min(thing["right"], tile.end_column)
 
 
 @jit
@@ -238,10 +237,10 @@ def fill(thing: Any, tile: Tile, eye: Eye, certify: bool | None) -> bool:
     Without certification, a hit counts if it seems to.
     """
     least_margin, gap = (0.0, 0) if certify is None else (1.0, tile.gap)
-    doubtful = False
+    keys, mask, doubtful = tile.keys, tile.mask, False
     first_line, end_line, first, end = box_of(thing, tile)
     for line in range(first_line, end_line):
-        here = tile.keys[line - tile.line]
+        here = keys[line - tile.line]
         for column in range(first, end):
             hits = hits_of(thing, float(column - thing["left"]), float(line - thing["top"]))
             for k in range(4):
@@ -249,7 +248,7 @@ def fill(thing: Any, tile: Tile, eye: Eye, certify: bool | None) -> bool:
                     continue
                 z, _, margin = key_hit(hits[k], eye)
                 if margin >= least_margin:
-                    key, old = key_of(z, tile.mask, piece_of(thing, k)), here[column - tile.column]
+                    key, old = key_of(z, mask, piece_of(thing, k)), here[column - tile.column]
                     if old - key > gap:
                         here[column - tile.column] = key
                     else:

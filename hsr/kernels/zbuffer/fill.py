@@ -97,6 +97,8 @@ class Tile(NamedTuple):
     ----------
     line, column : int
         Its first in the image.
+    end_line, end_column : int
+        Those after its last.
     width : int
         Columns of the image.
     mask : int
@@ -113,6 +115,8 @@ class Tile(NamedTuple):
 
     line: int
     column: int
+    end_line: int
+    end_column: int
     width: int
     mask: int
     gap: int
@@ -176,16 +180,17 @@ def tile_of(row: int, column: int, keys: Array, farthest: Floats, width: int, pi
     """Return a tile of an image so wide, with what it shows, not drawn to yet."""
     mask = depth_mask(pieces)
     stale, drawn = np.zeros(farthest.shape, np.bool_), np.zeros(farthest.shape, np.bool_)
-    gap = gap_of(mask, eye.tie)
-    return Tile(row * LINES, column * COLUMNS, width, mask, gap, keys, farthest, stale, drawn)
+    line, left, gap = row * LINES, column * COLUMNS, gap_of(mask, eye.tie)
+    end_line, end_column = line + keys.shape[0], left + keys.shape[1] - LANES
+    return Tile(line, left, end_line, end_column, width, mask, gap, keys, farthest, stale, drawn)
 
 
 @jit
 def cells_of(left: float, right: float, top: float, bottom: float, tile: Tile) -> Cells:
     """Return the cells of the samples of a tile in a box of the image; none if there are none."""
-    lines, columns = len(tile.keys), tile.keys.shape[1] - LANES
-    first_line, end_line = max(int(top) - tile.line, 0), min(int(bottom) - tile.line, lines)
-    first_column, end_column = max(int(left) - tile.column, 0), min(int(right) - tile.column, columns)
+    first_line, end_line = max(int(top), tile.line) - tile.line, min(int(bottom), tile.end_line) - tile.line
+    first_column = max(int(left), tile.column) - tile.column
+    end_column = min(int(right), tile.end_column) - tile.column
     if first_line >= end_line or first_column >= end_column:
         return 0, 0, 0, 0
     first_cell, end_cell = first_column // CELL, (end_column - 1) // CELL + 1
@@ -206,16 +211,16 @@ def is_hidden(nearest: float, cells: Cells, tile: Tile) -> bool:
     Where there are no cells, it does.
     """
     # Nothing gets farther: what was known of a cell is still a bound.
-    z, farthest = nearest - depth_gap(tile.gap), tile.farthest
+    z, keys, farthest, stale = nearest - depth_gap(tile.gap), tile.keys, tile.farthest, tile.stale
     for row in range(cells[0], cells[1]):
         for column in range(cells[2], cells[3]):
-            if not z > farthest[row, column] and not tile.stale[row, column]:
+            if not z > farthest[row, column] and not stale[row, column]:
                 return False
     for row in range(cells[0], cells[1]):
         for column in range(cells[2], cells[3]):
             if not z > farthest[row, column]:
-                tile.stale[row, column] = False
-                farthest[row, column] = farthest_in(tile.keys, row * CELL, column * CELL)
+                stale[row, column] = False
+                farthest[row, column] = farthest_in(keys, row * CELL, column * CELL)
                 if not z > farthest[row, column]:
                     return False
     return True
@@ -224,10 +229,10 @@ def is_hidden(nearest: float, cells: Cells, tile: Tile) -> bool:
 @jit
 def is_behind(nearest: float, cells: Cells, tile: Tile) -> bool:
     """Whether a key depth lies behind all that some cells were known to show; if there are none, it does."""
-    z = nearest - depth_gap(tile.gap)
+    z, farthest = nearest - depth_gap(tile.gap), tile.farthest
     for row in range(cells[0], cells[1]):
         for column in range(cells[2], cells[3]):
-            if not z > tile.farthest[row, column]:
+            if not z > farthest[row, column]:
                 return False
     return True
 
@@ -312,11 +317,11 @@ def fill(table: Floats, i: int, tile: Tile, limits: Limits | None, certify: bool
     begin, end = columns_of(table, i, tile)
     bound = 0.0 if certify is None else table[BOUND + i]
     gap = np.int64(0) if certify is None else tile.gap
-    mask, number, doubtful = tile.mask, int(table[NUMBER + i]), False
+    keys, mask, number, doubtful = tile.keys, tile.mask, int(table[NUMBER + i]), False
     for line in lines_of(table, i, tile):
         # Find the part of the line that the triangle can cover.
         row = row_of(table, i, float(line - top))
-        here = tile.keys[line - tile.line]
+        here = keys[line - tile.line]
         first, last = begin, end
         if end - begin > WIDE:
             first, last = span_of(row, bound, left, begin, end)
@@ -340,15 +345,13 @@ def fill(table: Floats, i: int, tile: Tile, limits: Limits | None, certify: bool
 @jit
 def lines_of(table: Floats, i: int, tile: Tile) -> range:
     """Return the lines of a tile that a triangle may cover."""
-    end = tile.line + len(tile.keys)
-    return range(max(int(table[TOP + i]), tile.line), min(int(table[BOTTOM + i]), end))
+    return range(max(int(table[TOP + i]), tile.line), min(int(table[BOTTOM + i]), tile.end_line))
 
 
 @jit
 def columns_of(table: Floats, i: int, tile: Tile) -> tuple[int, int]:
     """Return the first column of a tile that a triangle may cover, and the one after the last."""
-    end = tile.column + tile.keys.shape[1] - LANES
-    return max(int(table[LEFT + i]), tile.column), min(int(table[RIGHT + i]), end)
+    return max(int(table[LEFT + i]), tile.column), min(int(table[RIGHT + i]), tile.end_column)
 
 
 @jit
@@ -406,12 +409,12 @@ def note(table: Floats, i: int, tile: Tile, limits: Limits | None, doubts: Array
     """
     left, top, bound = int(table[LEFT + i]), int(table[TOP + i]), table[BOUND + i]
     begin, end = columns_of(table, i, tile)
-    gap, number = tile.gap, int(table[NUMBER + i])
+    keys, gap, number = tile.keys, tile.gap, int(table[NUMBER + i])
     for line in lines_of(table, i, tile):
         row = row_of(table, i, float(line - top))
         for column in range(begin, end):
             inner, z = at(row, float(column - left), limits)
-            key, old = key_of(z, tile.mask, number), tile.keys[line - tile.line, column - tile.column]
+            key, old = key_of(z, tile.mask, number), keys[line - tile.line, column - tile.column]
             sample = line * tile.width + column
 
             # Note an edge that rounding decides, and a depth that may be equal to what is shown.

@@ -40,7 +40,7 @@ CELLS = np.full((1, 1), np.inf), np.zeros((1, 1), np.bool_), np.zeros((1, 1), np
 
 
 def empty() -> d.Tile:
-    return d.Tile(0, 0, 5, MASK, GAP, np.full((4, 5 + setup.LANES), d.EMPTY, np.int64), *CELLS)
+    return d.Tile(0, 0, 4, 5, 5, MASK, GAP, np.full((4, 5 + setup.LANES), d.EMPTY, np.int64), *CELLS)
 
 
 def shown(tile: d.Tile) -> list[list[int]]:
