@@ -86,6 +86,8 @@ def resolve(view: View, sample: Array, piece: Ints, sure: Bools) -> Resolved:
     -------
     Resolved
     """
+    if not len(sample):
+        return Resolved(np.empty(0, np.int64), np.empty(0, np.int32), np.empty(0))
     order = sample.argsort(kind="stable")
     first = np.flatnonzero(np.diff(sample[order], prepend=-1, append=-1))
     sample = sample[order][first[:-1]].astype(np.int64)

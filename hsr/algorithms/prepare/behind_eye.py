@@ -55,6 +55,8 @@ def crossing_tables(view: View, clip: Floats, piece: Ints, number: Array, eye: E
     (tables, TABLE) float64
         Tables; in the last one, places without a triangle have no scan lines.
     """
+    if not len(clip):
+        return np.empty((0, TABLE))
     box = boxes(clip, view.near, eye)
     crossed = np.flatnonzero((box[:, 0] < box[:, 1]) & (box[:, 2] < box[:, 3]))
     if not len(crossed):
