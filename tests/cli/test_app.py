@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +15,7 @@ from hsr.algorithms import registry
 CUBE = "scenes/cube.toml"
 
 
-def test_help_is_quick() -> None:
-    def seconds() -> float:
-        start = time.perf_counter()
-        subprocess.run([sys.executable, "-m", "hsr.cli", "--help"], check=True, capture_output=True)
-        return time.perf_counter() - start
-
+def test_help_loads_nothing_heavy() -> None:
     loaded = subprocess.run(
         [sys.executable, "-c", "import sys, hsr.cli; print(*sys.modules)"],
         check=True,
@@ -29,7 +23,6 @@ def test_help_is_quick() -> None:
     ).stdout.decode()
     for heavy in ("numba", "trimesh", "matplotlib", "moderngl", "scipy", "numpy"):
         assert heavy not in loaded.split()
-    assert min(seconds() for _ in range(3)) < 2.0  # 0.15 s on an idle machine; this only catches the absurd
 
 
 def test_version(run: Any) -> None:
