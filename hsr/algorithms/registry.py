@@ -152,7 +152,7 @@ ZBUFFER = Method(
     "depth buffer, half-space tests with hierarchical z, certified",
     "hsr.algorithms.zbuffer",
     certified=True,
-    pipeline="hsr.models.zbuffer",
+    pipeline="hsr.models.certified",
     probe="hsr.lessons.probes.zbuffer",
     growth="fragments",
 )
@@ -241,7 +241,7 @@ BUILT_IN = (
     SCANLINE,
     *_variants(SCANLINE, SCAN_CONVERSIONS, "scan conversion, {}"),
     ZBUFFER,
-    *_variants(ZBUFFER, PLAIN),
+    *_variants(ZBUFFER, PLAIN, pipeline="hsr.models.zbuffer"),
     RAYCAST,
     *_variants(RAYCAST, PLAIN),
     *_variants(

@@ -16,6 +16,7 @@ import numpy as np
 
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.jit import jit, parallel_jit, prange
+from hsr.kernels.vectors import copy
 
 GUARD = 2.0
 """Half-width of the guard band, in halves of the image: polygons are cut where ``|x|, |y| > GUARD w``.
@@ -118,7 +119,9 @@ def _fill(
         for k in range(start[i + 1] - start[i]):
             corner[start[i] + k] = first[i] + k if cut[i] else loop[k]
         if cut[i]:
-            clip[first[i] : first[i + 1]] = clip_polygon(clip, loop, planes)
+            left = clip_polygon(clip, loop, planes)
+            for k in range(len(left)):
+                copy(left[k], clip[first[i] + k])
 
 
 @jit
@@ -143,7 +146,7 @@ def clip_to_plane(loop: Floats, plane: Floats, axis: int) -> Floats:
         here_inside = _distance(here, plane) >= 0.0
         after_inside = _distance(after, plane) >= 0.0
         if here_inside:
-            kept[count] = here
+            copy(here, kept[count])
             count += 1
         if here_inside != after_inside:
             inside, outside = (here, after) if here_inside else (after, here)

@@ -180,7 +180,9 @@ def radix_sort(code: Array) -> tuple[Array, Ints]:
         Where each of them stood; equal codes keep their order.
     """
     n = len(code)
-    order = np.arange(n).astype(np.int32)
+    order = np.empty(n, np.int32)
+    for i in range(n):
+        order[i] = i
     next_code, next_order = np.empty_like(code), np.empty_like(order)
     for digit in range(3):
         shift, mask = np.uint32(AXIS_BITS * digit), np.uint32(CELLS - 1)
@@ -215,7 +217,7 @@ def split(code: Array, leaf: int, first: Ints, count: Ints) -> int:
         Number of nodes.
     """
     pending = np.empty((STACK, 3), np.int64)
-    pending[0] = 0, 0, len(code)
+    pending[0, 0], pending[0, 1], pending[0, 2] = 0, 0, len(code)
     used, waiting = 1, 1
     while waiting > 0:
         waiting -= 1
@@ -225,10 +227,11 @@ def split(code: Array, leaf: int, first: Ints, count: Ints) -> int:
             continue
         first[node], count[node] = used, INNER
         middle = parting(code, start, end)
-        pending[waiting] = used + 1, middle, end
-        pending[waiting + 1] = used, start, middle
+        pending[waiting, 0], pending[waiting, 1], pending[waiting, 2] = used + 1, middle, end
+        waiting += 1
+        pending[waiting, 0], pending[waiting, 1], pending[waiting, 2] = used, start, middle
         used += 2
-        waiting += 2
+        waiting += 1
     return used
 
 

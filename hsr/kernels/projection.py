@@ -39,11 +39,16 @@ def clip_rows(clip_from_world: Floats, depth_row: Floats) -> Floats:
         The rows for x and y divided by what w is in units of d (perspective) or of 1 (parallel): by
         exactly 1 for the cameras that are placed by an eye and a target.
     """
-    largest = np.argmax(np.abs(clip_from_world[3, :3]))
+    largest = 0
+    for axis in range(1, 3):
+        if abs(clip_from_world[3, axis]) > abs(clip_from_world[3, largest]):
+            largest = axis
     along = clip_from_world[3, largest]
     scale = along / depth_row[largest] if along != 0.0 else clip_from_world[3, 3]
     rows = np.empty((3, 4))
-    rows[0], rows[1], rows[2] = clip_from_world[0] / scale, clip_from_world[1] / scale, depth_row
+    for k in range(4):
+        rows[0, k], rows[1, k] = clip_from_world[0, k] / scale, clip_from_world[1, k] / scale
+        rows[2, k] = depth_row[k]
     return rows
 
 

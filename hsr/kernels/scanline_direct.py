@@ -32,7 +32,9 @@ def scan_polygon_directly(
     real = screen.dtype.type
     half = real(0.5)
     A, B, C = table.plane[i, 0], table.plane[i, 1], table.plane[i, 2]
-    face, top, turn = table.row[i, FACE], table.row[i, TOP], table.row[i, TURN]
+    # Of one type each, so that their callee is compiled once.
+    face = table.row[i, FACE]
+    top, turn = int(np.int64(table.row[i, TOP])), int(np.int64(table.row[i, TURN]))
     x_top, y_top, z_top = screen[corner[top], 0], screen[corner[top], 1], screen[corner[top], 2]
     z_x, z_y = -A / C, -B / C
     _, owner = buffers

@@ -15,6 +15,13 @@ def point(row: Array) -> Vector:
 
 
 @jit
+def copy(row: Array, to: Array) -> None:
+    """Copy numbers, where assigning a row would compile a test of shapes and its words for a failure."""
+    for k in range(len(row)):
+        to[k] = row[k]
+
+
+@jit
 def like(numbers: Array, vector: Vector) -> Vector:
     """Round a vector to the type of an array."""
     real = numbers.dtype.type

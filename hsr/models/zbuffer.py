@@ -1,9 +1,8 @@
-"""The depth buffer of half-space tests, stage by stage.
+"""The depth buffer of half-space tests without certification, stage by stage.
 
-Certified, it has no error but the tessellation. Left alone, it rounds world points and clip coordinates as
-:mod:`hsr.models.scanline` does in float64. The fill rule is modelled by the triangles that it
-draws itself. Its depths are rounded to keys while they are computed, so that their arithmetic and their
-format are one stage: the method itself, run once more.
+It rounds world points and clip coordinates as :mod:`hsr.models.scanline` does in float64. The fill rule is
+modelled by the triangles that it draws itself. Its depths are rounded to keys while they are computed, so
+that their arithmetic and their format are one stage: the method itself, run once more.
 """
 
 from __future__ import annotations

@@ -284,10 +284,11 @@ def _cast(caster: Caster, room: Room) -> tuple[Array, Array]:
 
     order = np.argsort(extent[:, 4], kind="stable")
     batches = list(_batches(order[seen[order]], members))
-    kept = _kept(caster.view) if len(batches) > 1 else None
+    once = len(batches) < 2
+    kept = _kept(0 if once else caster.view.height, caster.view.width)
     found, total = [NO_DOUBTS], np.zeros(casting.COUNTS, np.int64)
     for chosen in batches:
-        if kept is not None:
+        if not once:
             chosen = chosen[casting.may_show(extent[chosen], _gap(caster), kept[1])]
         batch = members[chosen]
         of_curved = batch["nodes"] == 0
@@ -297,7 +298,7 @@ def _cast(caster: Caster, room: Room) -> tuple[Array, Array]:
             found.append(noted)
             total += counts
     every = np.concatenate(found)
-    return every if kept is None else _settled(caster, every, kept[0]), total
+    return every if once else _settled(caster, every, kept[0]), total
 
 
 def _extents(caster: Caster) -> tuple[Floats, Bools]:
@@ -322,12 +323,12 @@ def _batches(order: Array, members: Array) -> Iterator[Array]:
         yield order[start:]
 
 
-def _kept(view: View) -> casting.Kept:
+def _kept(height: int, width: int) -> casting.Kept:
     """Return tiles that show nothing; samples beyond the image hide everything."""
-    rows, columns = -(-view.height // LINES), -(-view.width // COLUMNS)
+    rows, columns = -(-height // LINES), -(-width // COLUMNS)
     keys = np.full((rows, columns, LINES, COLUMNS + LANES), fill.EMPTY, np.int64)
-    keys[-1, :, view.height - (rows - 1) * LINES :] = 0
-    keys[:, -1, :, view.width - (columns - 1) * COLUMNS :] = 0
+    keys[-1:, :, height - (rows - 1) * LINES :] = 0
+    keys[:, -1, :, width - (columns - 1) * COLUMNS :] = 0
     return keys, np.full((rows, columns, LINES // CELL, COLUMNS // CELL), np.inf)
 
 
@@ -377,7 +378,7 @@ def _own(world: World, member: Array) -> tuple[Floats, Ints, Ints]:
 
 
 def _cast_batch(
-    caster: Caster, laid: casting.Laid, special: tuple[Array, Floats], kept: casting.Kept | None
+    caster: Caster, laid: casting.Laid, special: tuple[Array, Floats], kept: casting.Kept
 ) -> Iterator[tuple[Array, Array]]:
     """Cast all rays into a batch that is laid out; yield doubts and counts of tiles."""
     extent, crossing = laid[1], special[1]

@@ -239,7 +239,7 @@ def cast(
     listed: Ints,
     todo: Array,
     eye: Eye,
-    kept: Kept | None,
+    kept: Kept,
     image: Image,
     doubts: Array | None,
     counts: Array,
@@ -257,8 +257,8 @@ def cast(
     todo : (k, 4) int64
         Tiles: row and column, where the list of each begins and where it ends.
     eye : Eye
-    kept : Kept or None
-        What the tiles show from batch to batch; None if there is one batch.
+    kept : Kept
+        What the tiles show from batch to batch; of no tiles if there is one batch.
     image : Image
         It shows the background, or what earlier batches left.
     doubts : (k, room) DOUBT or None
@@ -269,14 +269,14 @@ def cast(
         tile = tile_before(todo[k, 0], todo[k, 1], kept, image, eye)
         cast_tile(shapes, laid, special[0], listed[todo[k, 2] : todo[k, 3]], tile, eye, room, counts[k])
         fill.finish(tile, special[1], image, eye, room, counts[k])
-        if kept is not None:
+        if len(kept[0]) > 0:
             remember(tile)
 
 
 @jit
-def tile_before(row: int, column: int, kept: Kept | None, image: Image, eye: Eye) -> Tile:
+def tile_before(row: int, column: int, kept: Kept, image: Image, eye: Eye) -> Tile:
     """Return a tile of the image as earlier batches left it."""
-    if kept is None:
+    if len(kept[0]) == 0:
         return fill.empty_tile(row, column, image, eye)
     keys, farthest = kept[0][row, column], kept[1][row, column]
     return fill.tile_of(row, column, keys, farthest, image[1].shape[1], len(image[0]), eye)
@@ -285,8 +285,10 @@ def tile_before(row: int, column: int, kept: Kept | None, image: Image, eye: Eye
 @jit
 def remember(tile: Tile) -> None:
     """Note for the next batch how far a tile shows where it was drawn to."""
-    for row, column in np.argwhere(tile.drawn):
-        tile.farthest[row, column] = fill.farthest_in(tile.keys, row * CELL, column * CELL)
+    for row in range(tile.drawn.shape[0]):
+        for column in range(tile.drawn.shape[1]):
+            if tile.drawn[row, column]:
+                tile.farthest[row, column] = fill.farthest_in(tile.keys, row * CELL, column * CELL)
 
 
 @jit
@@ -343,19 +345,20 @@ def cast_into_mesh(
             stack[waiting + 1] = first + 1 if second_nearer else first
             waiting += 2
         else:
-            gather_leaf(screen, corner, number, member, start + first, count, table)
-            set_up(table, count, eye)
-            fill.draw_table(table, count, tile, eye, doubts, counts)
+            n = np.uintp(count)
+            gather_leaf(screen, corner, number, member, start + first, n, table)
+            set_up(table, n, eye)
+            fill.draw_table(table, n, tile, eye, doubts, counts)
             fill.touch(tile, cells)
 
 
 @jit
 def gather_leaf(
-    screen: Floats, corner: Ints, number: Ints, member: Any, first: int, count: int, table: Floats
+    screen: Floats, corner: Ints, number: Ints, member: Any, first: int, n: np.uintp, table: Floats
 ) -> None:
     """Gather the triangles of a leaf into a table."""
     to_screen, piece, cull = member["to_screen"], member["piece"], float(member["cull"])
-    for i in range(np.uintp(count)):
+    for i in range(n):
         triangle = first + np.int64(i)
         for k in range(3):
             for part in range(4):

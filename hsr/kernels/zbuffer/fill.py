@@ -251,7 +251,7 @@ def farthest_in(keys: Array, row: int, column: int) -> float:
 
 
 @jit
-def draw_table(table: Floats, n: int, tile: Tile, eye: Eye, doubts: Array | None, counts: Array) -> None:
+def draw_table(table: Floats, n: np.uintp, tile: Tile, eye: Eye, doubts: Array | None, counts: Array) -> None:
     """Draw the first n triangles of a table, but for those behind all that their cells were known to show."""
     for i in range(n):
         # Leave out what is left out, outside the tile, or hidden.
@@ -491,9 +491,10 @@ def settle(tile: Tile, doubts: Array, counts: Array) -> None:
 @jit
 def finish(tile: Tile, crossing: Floats, image: Image, eye: Eye, doubts: Array | None, counts: Array) -> None:
     """Draw what no cluster and no hierarchy has, settle what is in doubt, and read the answer out."""
-    tile.drawn[:] |= len(crossing) > 0
+    if len(crossing) > 0:
+        tile.drawn[:] = True
     for t in range(len(crossing)):
-        draw_table(crossing[t], CLUSTER, tile, eye, doubts, counts)
+        draw_table(crossing[t], np.uintp(CLUSTER), tile, eye, doubts, counts)
     if doubts is not None:
         settle(tile, doubts, counts)
     show(tile, image, eye)
@@ -505,7 +506,7 @@ def show(tile: Tile, image: Image, eye: Eye) -> None:
     _, face, _ = image
     lines, columns = min(LINES, len(face) - tile.line), min(COLUMNS, face.shape[1] - tile.column)
     for row in range(-(-lines // CELL)):
-        start = 0
+        start = int(np.int64(0))
         while start < columns:
             end = min(end_of_run(tile.drawn[row], start // CELL) * CELL, columns)
             if tile.drawn[row, start // CELL]:

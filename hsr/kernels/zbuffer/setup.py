@@ -421,7 +421,7 @@ def reach_box(low: Point, high: Point, matrix: Matrix, eye: Eye) -> tuple[float,
 
 
 @jit
-def gather(screen: Floats, corner: Ints, cull: Array, first: int, table: Floats) -> int:
+def gather(screen: Floats, corner: Ints, cull: Array, first: int, table: Floats) -> np.uintp:
     """Gather at most CLUSTER triangles into a table.
 
     Parameters
@@ -438,10 +438,9 @@ def gather(screen: Floats, corner: Ints, cull: Array, first: int, table: Floats)
 
     Returns
     -------
-    int
-        How many there are.
+    np.uintp
+        How many there are: unsigned indices cannot count from the end, which would be tested at each.
     """
-    # Unsigned indices cannot count from the end, which would be tested at each.
     n, start = np.uintp(min(len(corner) - first, CLUSTER)), np.uintp(first)
     for i in range(n):
         for k in range(np.uintp(3)):
@@ -449,11 +448,11 @@ def gather(screen: Floats, corner: Ints, cull: Array, first: int, table: Floats)
             for part in range(np.uintp(4)):
                 table[place + part * np.uintp(CLUSTER)] = vertex[part]
         table[np.uintp(CULL) + i], table[np.uintp(NUMBER) + i] = cull[start + i], start + i
-    return int(n)
+    return n
 
 
 @jit
-def set_up(table: Floats, count: int, eye: Eye) -> None:
+def set_up(table: Floats, count: np.uintp, eye: Eye) -> None:
     """Set up the gathered triangles of a table side by side; without branches, to become vector code.
 
     Parameters
@@ -466,7 +465,7 @@ def set_up(table: Floats, count: int, eye: Eye) -> None:
         How many triangles there are.
     eye : Eye
     """
-    for i in range(np.uintp(count)):
+    for i in range(count):
         ax, ay = table[GATHERED + i], table[GATHERED + CLUSTER + i]
         az, a_error = table[GATHERED + 2 * CLUSTER + i], table[GATHERED + 3 * CLUSTER + i]
         bx, by = table[GATHERED + 4 * CLUSTER + i], table[GATHERED + 5 * CLUSTER + i]

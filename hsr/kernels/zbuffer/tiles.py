@@ -15,6 +15,7 @@ import numpy as np
 
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.jit import jit, parallel_jit, prange
+from hsr.kernels.hierarchy import radix_sort
 from hsr.kernels.zbuffer import fill
 from hsr.kernels.zbuffer.fill import COLUMNS, LINES, Image, Tile
 from hsr.kernels.zbuffer.setup import CLUSTER, FARTHEST, TABLE, Eye, gather, set_up
@@ -63,10 +64,14 @@ def deal(extent: Floats, width: int, height: int, threads: int) -> tuple[Ints, A
                 place[tile + 1] += 1
 
     # Deal the tiles to the threads, those with the longest lists first.
-    place = np.cumsum(place)
+    shortness = np.empty(number, np.uint32)
+    for tile in range(number):
+        shortness[tile] = len(extent) - place[tile + 1]
+    add_up(place)
     tiles = np.empty((number, 4), np.int64)
-    for k, tile in enumerate(to_and_fro(np.argsort(place[:-1] - place[1:], kind="mergesort"), threads)):
-        tiles[k] = tile // columns, tile % columns, place[tile], place[tile + 1]
+    for k, tile in enumerate(to_and_fro(radix_sort(shortness)[1], threads)):
+        tiles[k, 0], tiles[k, 1] = tile // columns, tile % columns
+        tiles[k, 2], tiles[k, 3] = place[tile], place[tile + 1]
 
     # Write the lists.
     listed = np.empty(place[-1], np.int32)
@@ -93,13 +98,20 @@ def nearest_first(extent: Floats) -> Ints:
             start[inside[m]] += 1
 
     # Put everything in its slice.
-    start = np.cumsum(start)
+    add_up(start)
     order = np.empty(start[-1], np.int32)
     for m in range(len(extent)):
         if inside[m] > 0:
             order[start[inside[m] - 1]] = m
             start[inside[m] - 1] += 1
     return order
+
+
+@jit
+def add_up(counts: Array) -> None:
+    """Add to each count those before it."""
+    for k in range(1, len(counts)):
+        counts[k] += counts[k - 1]
 
 
 @jit

@@ -11,6 +11,7 @@ import numpy as np
 
 from hsr.base.arrays import Array, Bools, Floats, Ints
 from hsr.base.jit import jit
+from hsr.kernels.vectors import copy
 
 Real = float | np.float32
 
@@ -117,7 +118,9 @@ def clip_triangles(clip: Array, made: Bools, codes: Ints, reach: Array, corners:
         count = 3
         for plane in range(PLANES):
             if codes[i] >> plane & 1 and count >= 3:
-                old_clip[:], old_made[:] = clip[i], made[i]
+                for k in range(count):
+                    copy(clip[i, k], old_clip[k])
+                    old_made[k] = made[i, k]
                 count = _clip_polygon(old_clip, old_made, count, plane, reach[plane], clip[i], made[i])
         corners[i] = count
 
@@ -135,7 +138,8 @@ def _clip_polygon(
 
         # Keep a corner inside the plane.
         if distance >= 0:
-            left[count], left_made[count] = clip[i], made[i]
+            copy(clip[i], left[count])
+            left_made[count] = made[i]
             count += 1
 
         # Cut an edge that crosses the plane, from its nearer end, or that inside.
