@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cache
 from importlib import import_module
-from importlib.metadata import entry_points
+from importlib.metadata import entry_points, version
+from importlib.util import find_spec
 from typing import Any
 
 from hsr.base.errors import MethodError
@@ -109,6 +110,14 @@ class Method:
         """Render a tiny picture of the same objects, so that compiling is not timed later."""
         # What is prepared of the objects is not compiling: it stays to be timed.
         self.render(replace(view, width=WARM_UP, height=WARM_UP, placements=tuple(view.placements)))
+        from hsr.base.jit import note_compiled  # takes long to load, and is loaded by now
+
+        note_compiled(self.name)
+
+    @property
+    def ours(self) -> bool:
+        """Whether it is of this package."""
+        return self.module.startswith("hsr.")
 
     def load_pipeline(self) -> Any:
         """Return the models of the method, None if its row names none."""
@@ -317,6 +326,22 @@ def default_methods() -> list[str]:
         for name, method in methods().items()
         if ("-" not in name or method.needs or method.exhaustive) and not method.asked_only
     ]
+
+
+def driver_of(method: Method) -> str:
+    """Name the program beside this package by which a method works, and its version; empty if none.
+
+    Raises
+    ------
+    UnavailableError
+        If it is missing.
+    """
+    if method.needs == "opengl":
+        from hsr.gl.backends import shared_context
+
+        context = shared_context()
+        return f"{context.backend} {context.renderer} {context.version}"
+    return f"embreex {version('embreex')}" if method.needs == "embree" and find_spec("embreex") else ""
 
 
 def certified_methods() -> tuple[str, ...]:

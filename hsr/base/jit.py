@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import hashlib
 import os
+import sys
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -64,12 +66,30 @@ def forget_stale_kernels(package: Path) -> None:
         if stamp.exists() and stamp.read_text(encoding="ascii") == fingerprint:
             return
         for folder in folders:
-            for cached in folder.glob("__pycache__/*.nb[ic]"):
+            for cached in (*folder.glob("__pycache__/*.nb[ic]"), *folder.glob("__pycache__/*.compiled")):
                 cached.unlink(missing_ok=True)
         stamp.parent.mkdir(exist_ok=True)
         stamp.write_text(fingerprint, encoding="ascii")
     except OSError:
         pass
+
+
+def is_compiled(method: str) -> bool:
+    """Tell whether the kernels of a method have been compiled here before, as far as is known."""
+    return _stamp(method).exists()
+
+
+def note_compiled(method: str) -> None:
+    """Note that the kernels of a method are compiled."""
+    with suppress(OSError):
+        _stamp(method).touch()
+
+
+def _stamp(method: str) -> Path:
+    """Return the file that stands for the cached kernels of a method."""
+    folder = os.environ.get("NUMBA_CACHE_DIR") or Path(__file__).parents[1] / "kernels" / "__pycache__"
+    kind = os.environ.get("NUMBA_CPU_NAME", "host")
+    return Path(folder) / f"{method}-{sys.implementation.cache_tag}-{kind}.compiled"
 
 
 forget_stale_kernels(Path(__file__).parents[1])

@@ -26,6 +26,7 @@ def compare(
     camera: cli.CameraName = None,
     output: Annotated[Path | None, cli.output("Write the report, .html.")] = None,
     fail_on: Annotated[cli.Text, Option(help="Classes of difference, comma separated: then exit 1.")] = None,
+    fresh: Annotated[bool, Option("--fresh", help="Compute all anew; take nothing from the store.")] = False,
     as_json: cli.Json = False,
     quiet: cli.Quiet = False,
     verbose: cli.Verbose = False,
@@ -36,16 +37,19 @@ def compare(
     variants. Those that test each face at each sample sit out scenes that would keep them busy for minutes,
     unless they are named.
     """
+    from hsr.algorithms.ahead import Ahead
+    from hsr.base.store import Store
     from hsr.difference.study import study
 
     cli.check_folder(output)
     forbidden = _classes(fail_on or "")
     loaded = [(path, hsr.load(path)) for path in scenes]
     asked, names = cli.named(method), cli.names(method)
+    store, ahead = Store(fresh=fresh), Ahead(scenes[0], [*names, ref])
     studies = []
     with cli.progress(quiet, len(loaded) * (len({*names, ref}) + (output is not None))) as step:
         for path, scene in loaded:
-            how = partial(study, name=path.stem, patient=bool(asked), progress=step)
+            how = partial(study, name=path.stem, patient=bool(asked), progress=step, store=store, ahead=ahead)
             studies.append(how(scene, names, ref, cli.parse_size(size), camera))
         for found in studies:
             # What is missing here and was asked for by name is no mere skipped column.
@@ -55,6 +59,7 @@ def compare(
             from hsr.pages.report import write_report
 
             write_report(studies, output, progress=step)
+    store.trim()
     if as_json:
         cli.print_json({"hsr": 1, "studies": [found.to_json() for found in studies]})
     else:
@@ -100,6 +105,8 @@ def _print_study(found: Study, verbose: bool) -> None:
     cli.print_table(head, [_cells(found, name) for name in found.methods], title=title)
     cli.say(*(f"{name}: {_counted(why.counts)}" for name, why in found.causes.items() if why.wrong))
     cli.say(*(f"{name}: {reason}" for name, reason in found.skipped.items()))
+    if any(_star([found], name) for name in found.maps):
+        cli.say("*: computed before, and measured then; --fresh measures now")
     if verbose:
         cli.say(*(difference.summary() for difference in found.differences.values()))
     cli.out.print()
@@ -110,12 +117,19 @@ def _cells(found: Study, name: str) -> tuple[str, ...]:
 
     if name in found.skipped:
         return (name, _absence(found, name))
-    time = cli.milliseconds(found.maps[name].seconds)
+    time = cli.milliseconds(found.maps[name].seconds) + _star([found], name)
     if name not in found.differences:
         return (name, "reference" if name == found.reference else "-", *[""] * (len(DIFFERENT) + 1), time)
     difference = found.differences[name]
     counts = (difference.different, *map(difference.counts.__getitem__, DIFFERENT), difference.largest)
     return (name, *(f"{count:,}" for count in counts), time)
+
+
+def _star(studies: Sequence[Study], name: str) -> str:
+    """Mark times that were not all measured now."""
+    from hsr.difference.study import RECALLED
+
+    return "*" if any(found.maps[name].notes.get(RECALLED) for found in studies) else ""
 
 
 def _absence(found: Study, name: str) -> str:
@@ -141,6 +155,7 @@ def _sum_cells(studies: Sequence[Study], name: str) -> tuple[str, ...]:
     if not ran:
         return (name, "0", _absence(studies[0], name))
     total = f"{1e3 * sum(found.maps[name].seconds.get('render', 0.0) for found in ran):,.0f} ms"
+    total += _star(ran, name)
     judged = [found for found in ran if name in found.differences]
     if not judged:
         return (name, str(len(ran)), "reference", "", "", "", total)

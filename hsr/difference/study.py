@@ -9,14 +9,21 @@ from typing import Any
 
 import numpy as np
 
-from hsr.algorithms.registry import Method, method_named
+from hsr.algorithms.ahead import Ahead
+from hsr.algorithms.registry import Method, driver_of, method_named
 from hsr.base.arrays import Array
 from hsr.base.errors import MethodError, UnavailableError
+from hsr.base.jit import is_compiled
+from hsr.base.store import Store
 from hsr.difference.cause import Causes, causes
 from hsr.difference.classes import Difference, compare
+from hsr.problem.geometry import digest_of
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View, view
 from hsr.scene.model import Scene
+
+RECALLED = "recalled"
+"""Note of a map that was computed before: its seconds were not measured now."""
 
 COUNTED = ("seconds", "work", "notes")
 """What the JSON form tells of each map."""
@@ -106,6 +113,8 @@ def study(
     name: str = "",
     patient: bool = False,
     progress: Progress | None = None,
+    store: Store | None = None,
+    ahead: Ahead | None = None,
 ) -> Study:
     """Run methods on one view of a scene and compare their maps with that of the reference.
 
@@ -129,7 +138,11 @@ def study(
     patient : bool
         Whether to run exhaustive methods however long they take.
     progress : callable, optional
-        Called with a method's name before it runs.
+        Called with a method's name before it runs, or with what is done for it first.
+    store : Store, optional
+        Where maps and causes are looked up, and kept; maps from there have the note :data:`RECALLED`.
+    ahead : Ahead, optional
+        Who compiles kernels meanwhile.
 
     Returns
     -------
@@ -147,18 +160,22 @@ def study(
     maps: dict[str, VisibilityMap] = {}
     skipped: dict[str, str] = {}
     missing = set()
-    for method in chosen:
+    for method in ahead.order(chosen) if ahead else chosen:
         if progress is not None:
-            progress(method.name)
+            progress(_doing(method))
         try:
-            maps[method.name] = _run(method, problem, patient)
+            if ahead is not None:
+                ahead.wait(method)
+            maps[method.name] = _answer(method, problem, patient, store)
         except (MethodError, UnavailableError) as error:
             skipped[method.name] = str(error).removeprefix(f"{method.name}: ")
             if isinstance(error, UnavailableError):
                 missing.add(method.name)
+    maps = {method.name: maps[method.name] for method in chosen if method.name in maps}
     truth = maps.get(reference)
     others = {name: map for name, map in maps.items() if truth and name != reference}
-    why = {name: causes(problem, map, truth) for name, map in others.items() if truth and truth.admissible}
+    judging = truth if truth and truth.admissible else None
+    why = {name: _causes(problem, map, judging, store) for name, map in others.items() if judging}
     return Study(
         name=name or scene.title or "scene",
         scene=scene,
@@ -179,6 +196,38 @@ def study(
 def causes_of(studies: Sequence[Study], name: str) -> Counter[str]:
     """Count the wrong samples of a method by cause, over all studies that know why."""
     return sum((Counter(found.causes[name].counts) for found in studies if name in found.causes), Counter())
+
+
+def _doing(method: Method) -> str:
+    """Say what is done next: a method's kernels are compiled the first time that they are needed."""
+    compiled = is_compiled(method.name) or not method.ours
+    return method.name if compiled else f"{method.name}: compiling, once"
+
+
+def _answer(method: Method, problem: View, patient: bool, store: Store | None) -> VisibilityMap:
+    """Look up the map of a method, or have it made."""
+    if store is None or not method.ours:
+        return _run(method, problem, patient)
+    parts = ("map", repr(method), driver_of(method), problem.hashes)
+    found: VisibilityMap | None = store.get(*parts)
+    if found is not None:
+        return replace(found, notes=found.notes | {RECALLED: True})
+    answer = _run(method, problem, patient)
+    store.put(answer, *parts)
+    return answer
+
+
+def _causes(problem: View, answer: VisibilityMap, truth: VisibilityMap, store: Store | None) -> Causes:
+    """Look up why samples of a map are wrong, or find out."""
+    if store is None or not method_named(answer.method).ours:
+        return causes(problem, answer, truth)
+    shown = digest_of([answer.face.tobytes(), answer.depth.tobytes()])
+    parts = ("causes", answer.method, problem.hashes, shown)
+    found: Causes | None = store.get(*parts)
+    if found is None:
+        found = causes(problem, answer, truth)
+        store.put(found, *parts)
+    return found
 
 
 def _run(method: Method, problem: View, patient: bool) -> VisibilityMap:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import sys
 from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,8 +16,9 @@ import pytest
 from hsr.algorithms import registry
 from hsr.algorithms.registry import Method
 from hsr.base.errors import MethodError, UnavailableError, ViewError
+from hsr.base.store import Store
 from hsr.difference import study as module
-from hsr.difference.study import study
+from hsr.difference.study import RECALLED, study
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View
 
@@ -152,3 +155,15 @@ def test_no_method_profits_from_what_another_prepared(
     monkeypatch.setattr(Method, "render", keep)
     study(make_scene([{"name": "cube", "shape": "cube"}]), ["backface", "painter"], "backface", (8, 8))
     assert len({id(geometry) for geometry in given}) == len(given) == 4
+
+
+def test_what_was_computed_is_recalled_with_its_note(make_scene: Any, tmp_path: Path) -> None:
+    store, ran = Store(tmp_path), []
+    how = partial(study, make_scene(CUBE), ["painter", "zbuffer"], "exact", store=store)
+    first, again, other = how(size=(6, 3)), how(size=(6, 3), progress=ran.append), how(size=(6, 4))
+    for name, answer in again.maps.items():
+        assert np.array_equal(answer.face, first.maps[name].face)
+        assert answer.seconds == first.maps[name].seconds and answer.notes[RECALLED]
+        assert RECALLED not in first.maps[name].notes and RECALLED not in other.maps[name].notes
+    assert again.to_json()["causes"] == first.to_json()["causes"]
+    assert again.to_json()["methods"]["zbuffer"]["notes"][RECALLED] is True
