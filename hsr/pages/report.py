@@ -35,9 +35,18 @@ PACKAGES = ("hsr-lab", "numpy", "numba", "scipy", "moderngl")
 
 
 def write_report(
-    studies: Sequence[Study], path: str | Path, title: str = TITLE, progress: Progress | None = None
+    studies: Sequence[Study],
+    path: str | Path,
+    title: str = TITLE,
+    progress: Progress | None = None,
+    pending: Sequence[str] = (),
 ) -> None:
     """Write a report on several studies as one HTML file that needs no network.
+
+    A report can be written in stages: ``write_report([], path, pending=["exact", "zbuffer"])`` before there
+    is anything, ``write_report([found], path, pending=["zbuffer"])`` once a first study is there, and at the
+    end without ``pending``. Until then a browser that shows it loads it again every second, and stays where
+    it is.
 
     :func:`hsr.pages.inspector.fragment` names a sample in it: with that at the end of its address the
     inspector opens there.
@@ -53,6 +62,9 @@ def write_report(
         What the page is headed by.
     progress : callable, optional
         Called with a study's name before the histories of its samples are told, which takes seconds.
+    pending : sequence of str
+        What is still to come, as the page says it: names of methods or scenes. A study's method that is named
+        here is marked so in the tables.
 
     Raises
     ------
@@ -62,17 +74,19 @@ def write_report(
     for found in studies:
         if not found.maps:
             raise HsrError(f"nothing to report on {found.name}: every method was skipped")
-    if not studies:
+    if not (studies or pending):
         raise HsrError("nothing to report: no scenes")
     data = []
     for found in studies:
         if progress is not None:
             progress(f"histories of {found.name}")
         data.append(inspection(found, min(DIGITS, ALL_DIGITS // len(studies))))
-    write_whole(path, _page(studies, title, data), "the report")
+    write_whole(path, _page(studies, title, data, pending), "the report")
 
 
-def _page(studies: Sequence[Study], title: str, data: Sequence[dict[str, Any]]) -> str:
+def _page(
+    studies: Sequence[Study], title: str, data: Sequence[dict[str, Any]], pending: Sequence[str]
+) -> str:
     known = dict.fromkeys(name for found in studies for name in found.causes)
     causes = {name: causes_of(studies, name) for name in known}
     colours = (f".class-{kind:d} {{ background: rgb{CLASS_COLOURS[kind.label]}; }}\n" for kind in ABOUT)
@@ -80,9 +94,10 @@ def _page(studies: Sequence[Study], title: str, data: Sequence[dict[str, Any]]) 
         "report",
         title,
         style("inspector.css", "report.css") + Markup("".join(colours)),
-        ["viewer.js"],
+        [*(["viewer.js"] if data else []), *(["reload.js"] if pending else [])],
         filters={"figures": _figures, "milliseconds": _milliseconds, "note": _note, "uri": data_uri},
         studies=studies,
+        pending=pending,
         methods=list(dict.fromkeys(name for found in studies for name in found.methods)),
         classes=ABOUT.items(),
         different=DIFFERENT,

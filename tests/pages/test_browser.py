@@ -236,6 +236,24 @@ def test_class_and_cause_maps_have_the_colours_of_the_legend(visit: Any, real: S
         assert signs[name.label] in colours
 
 
+def test_an_unfinished_page_loads_itself_until_it_is_whole(
+    browser: Any, studied: Study, tmp_path: Path
+) -> None:
+    path = tmp_path / "growing.html"
+    write_report([studied], path, pending=["absent"])
+    tab = browser.new_page(viewport={"width": 800, "height": 600})
+    tab.goto(path.as_uri() + "#made-with")
+    tab.evaluate("scrollTo({ top: 500, behavior: 'instant' })")
+    place = "document.getElementById('overview').getBoundingClientRect().top"
+    before = tab.evaluate(place)
+    write_report([studied], path)
+    tab.wait_for_selector(".pending", state="detached", timeout=5000)
+    tab.wait_for_timeout(100)
+    assert tab.evaluate("location.hash") == "#made-with"
+    assert tab.evaluate(place) == pytest.approx(before, abs=1.0) and before < 0
+    tab.close()
+
+
 # ---------------------------------------------------------------- keys
 
 

@@ -158,6 +158,19 @@ def test_nothing_to_report(studied: Study, tmp_path: Path) -> None:
         write_report([replace(studied, maps={})], tmp_path / "r.html")
 
 
+def test_a_report_is_written_in_stages(studied: Study, tmp_path: Path) -> None:
+    part = replace(studied, maps={"reference": studied.maps["reference"]}, differences={})
+    texts = []
+    for studies, pending in (([], ["reference", "shifted"]), ([part], ["shifted"]), ([studied], [])):
+        write_report(studies, tmp_path / "r.html", pending=pending)
+        texts.append((tmp_path / "r.html").read_text(encoding="utf-8"))
+        Balanced(texts[-1])
+        assert_strict(texts[-1])
+    assert "Still to come: reference, shifted." in texts[0] and "Still to come: shifted." in texts[1]
+    assert '<td class="number quiet">…</td>' in texts[1]
+    assert ["reload()" in text for text in texts] == [True, True, False] and "Still to come" not in texts[2]
+
+
 def test_a_report_is_replaced_whole_or_not_at_all(
     studied: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
