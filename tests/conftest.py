@@ -33,6 +33,12 @@ def pytest_collection_modifyitems(items: Iterable[pytest.Item]) -> None:
             item.add_marker(skip)
 
 
+@pytest.fixture(scope="session", autouse=True)
+def store(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Keep results of this run out of the user's store, and those out of this run."""
+    os.environ["HSR_STORE"] = str(tmp_path_factory.mktemp("store"))
+
+
 @pytest.fixture(scope="session")
 def scenes() -> Path:
     """The folder of the built-in scenes."""

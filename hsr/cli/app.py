@@ -11,7 +11,7 @@ import sys
 import traceback
 from typing import Annotated
 
-from typer import Exit, Option, Typer
+from typer import Context, Exit, Option, Typer
 
 from hsr import __version__
 from hsr.base.errors import HsrError, UnavailableError
@@ -20,6 +20,7 @@ from hsr.cli.accept import accept
 from hsr.cli.algos import algos
 from hsr.cli.bench import bench_app
 from hsr.cli.compare import compare
+from hsr.cli.demo import demo
 from hsr.cli.diff import diff
 from hsr.cli.doctor import doctor
 from hsr.cli.explain import explain
@@ -32,12 +33,11 @@ from hsr.cli.stability import stability_app
 
 app = Typer(
     help="Which surface does the eye see at each pixel? Every classic method, compared sample by sample.",
-    no_args_is_help=True,
     pretty_exceptions_enable=False,
     add_completion=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for verb in (render, compare, diff, accept, explain, shrink, lesson, gallery, algos, doctor):
+for verb in (demo, render, compare, diff, accept, explain, shrink, lesson, gallery, algos, doctor):
     # The sample -1,3 is outside the image, and no unknown option.
     app.command(context_settings={"ignore_unknown_options": verb in (explain, shrink)})(verb)
 for name, verbs in (("scene", scene_app), ("bench", bench_app), ("stability", stability_app)):
@@ -70,6 +70,9 @@ def _version(wanted: bool) -> None:
 Version = Annotated[bool, Option("--version", callback=_version, is_eager=True, help="Print the version.")]
 
 
-@app.callback()
-def _options(version: Version = False) -> None:
-    pass
+@app.callback(invoke_without_command=True)
+def _options(context: Context, version: Version = False) -> None:  # noqa: ARG001
+    if context.invoked_subcommand is None and sys.stdout.isatty():
+        context.invoke(demo)
+    elif context.invoked_subcommand is None:
+        cli.out.print(context.get_help(), markup=False)

@@ -115,6 +115,7 @@ def study(
     progress: Progress | None = None,
     store: Store | None = None,
     ahead: Ahead | None = None,
+    each: Callable[[Study], None] | None = None,
 ) -> Study:
     """Run methods on one view of a scene and compare their maps with that of the reference.
 
@@ -143,6 +144,8 @@ def study(
         Where maps and causes are looked up, and kept; maps from there have the note :data:`RECALLED`.
     ahead : Ahead, optional
         Who compiles kernels meanwhile.
+    each : callable, optional
+        Called after each method with the study as it is so far.
 
     Returns
     -------
@@ -159,7 +162,33 @@ def study(
     problem = view(scene, size, camera)
     maps: dict[str, VisibilityMap] = {}
     skipped: dict[str, str] = {}
-    missing = set()
+    missing: set[str] = set()
+    why: dict[str, Causes] = {}
+
+    def so_far() -> Study:
+        made = {method.name: maps[method.name] for method in chosen if method.name in maps}
+        truth = made.get(reference)
+        others = {name: map for name, map in made.items() if truth and name != reference}
+        if truth and truth.admissible:
+            why.update(
+                {name: _causes(problem, map, truth, store) for name, map in others.items() if name not in why}
+            )
+        return Study(
+            name=name or scene.title or "scene",
+            scene=scene,
+            view=problem,
+            camera=camera or scene.camera[0].name,
+            methods=tuple(method.name for method in chosen),
+            reference=reference if truth else None,
+            maps=made,
+            skipped=skipped,
+            missing=frozenset(missing),
+            tessellating=tuple(method.name for method in chosen if problem.curved and not method.curved),
+            differences={name: compare(map, truth) for name, map in others.items() if truth},
+            causes={name: why[name] for name in others if name in why},
+            agreement=_agreement(list(made.values())),
+        )
+
     for method in ahead.order(chosen) if ahead else chosen:
         if progress is not None:
             progress(_doing(method))
@@ -171,26 +200,9 @@ def study(
             skipped[method.name] = str(error).removeprefix(f"{method.name}: ")
             if isinstance(error, UnavailableError):
                 missing.add(method.name)
-    maps = {method.name: maps[method.name] for method in chosen if method.name in maps}
-    truth = maps.get(reference)
-    others = {name: map for name, map in maps.items() if truth and name != reference}
-    judging = truth if truth and truth.admissible else None
-    why = {name: _causes(problem, map, judging, store) for name, map in others.items() if judging}
-    return Study(
-        name=name or scene.title or "scene",
-        scene=scene,
-        view=problem,
-        camera=camera or scene.camera[0].name,
-        methods=tuple(method.name for method in chosen),
-        reference=reference if truth else None,
-        maps=maps,
-        skipped=skipped,
-        missing=frozenset(missing),
-        tessellating=tuple(method.name for method in chosen if problem.curved and not method.curved),
-        differences={name: compare(map, truth) for name, map in others.items() if truth},
-        causes=why,
-        agreement=_agreement(list(maps.values())),
-    )
+        if each is not None and maps:
+            each(so_far())
+    return so_far()
 
 
 def causes_of(studies: Sequence[Study], name: str) -> Counter[str]:

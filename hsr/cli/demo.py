@@ -1,0 +1,60 @@
+"""The command ``hsr demo``: the shortest way to a picture."""
+
+from __future__ import annotations
+
+import os
+import sys
+import webbrowser
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from typer import Argument, Option
+
+import hsr
+from hsr.cli import common as cli
+
+if TYPE_CHECKING:
+    from hsr.difference.study import Study
+
+FIRST = ("exact", "opengl", "embree-packets", "embree")
+"""What draws soonest after installation, when nothing is compiled."""
+
+
+def demo(
+    scene: Annotated[Path, Argument(help="Scene or mesh file.")] = Path("scenes/solids.toml"),
+    output: Annotated[Path, cli.output("Page to write.")] = Path("hsr-demo.html"),
+    size: cli.Size = "384x384",
+    browse: Annotated[bool, Option(help="Open the page in a browser, where there is a desktop.")] = True,
+    quiet: cli.Quiet = False,
+) -> None:
+    """Show one scene by every method, on a page that opens at once and fills as methods are compiled.
+
+    What starts fast comes first. While a method is still to come, the page loads itself again.
+    """
+    from hsr.algorithms.ahead import Ahead
+    from hsr.difference.study import study
+    from hsr.pages.report import write_report
+
+    cli.check_folder(output)
+    loaded, names = hsr.load(scene), cli.names(None)
+    names.sort(key=lambda name: FIRST.index(name) if name in FIRST else len(FIRST))
+    write_report([], output, pending=names)
+    if not quiet:
+        cli.say(f"{output.resolve().as_uri()} fills as methods answer")
+    if browse and _has_desktop():
+        webbrowser.open(output.resolve().as_uri())
+
+    def show(found: Study) -> None:
+        pending = [name for name in names if name not in found.maps and name not in found.skipped]
+        write_report([found], output, pending=pending)
+
+    with cli.progress(quiet, len(names)) as step:
+        how = partial(study, name=scene.stem, progress=step, ahead=Ahead(scene, names), each=show)
+        how(loaded, names, "exact", cli.parse_size(size))
+
+
+def _has_desktop() -> bool:
+    """Tell whether a browser would have a screen to show itself on."""
+    screen = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    return sys.stdout.isatty() and bool(screen or sys.platform in ("win32", "darwin"))
