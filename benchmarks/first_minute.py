@@ -67,7 +67,8 @@ def turns(folder: str, command: list[str]) -> Iterator[float]:
 
 def demo(folder: str) -> tuple[float, float]:
     """Return the seconds until the demo's page has its first picture, and until it is whole."""
-    page, first, start = Path(folder) / "demo.html", [], time.perf_counter()
+    page, start = Path(folder) / "demo.html", time.perf_counter()
+    first: list[float] = []
 
     def watch() -> None:
         while not first:
@@ -84,9 +85,8 @@ def run(folder: str, *arguments: str) -> subprocess.Popen[bytes]:
     """Start the command with a cache and a store of its own."""
     places = {"NUMBA_CACHE_DIR": f"{folder}/kernels", "HSR_STORE": f"{folder}/store"}
     command = [sys.executable, "-c", "from hsr.cli import main; main()", *arguments]
-    return subprocess.Popen(
-        command, env=os.environ | places, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
+    nowhere = subprocess.DEVNULL
+    return subprocess.Popen(command, env=os.environ | places, stdout=nowhere, stderr=nowhere)
 
 
 if __name__ == "__main__":
