@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from hsr.difference.cause import causes as causes
     from hsr.difference.classes import Difference as Difference
     from hsr.difference.classes import compare as compare
+    from hsr.difference.diagnosis import diagnose as diagnose
     from hsr.difference.history import history as history
     from hsr.problem.map import VisibilityMap as VisibilityMap
     from hsr.problem.map import load_map as load_map
@@ -41,6 +42,7 @@ _HOME = {
     "VisibilityMap": "hsr.problem.map",
     "causes": "hsr.difference.cause",
     "compare": "hsr.difference.classes",
+    "diagnose": "hsr.difference.diagnosis",
     "history": "hsr.difference.history",
     "load": "hsr.problem.view",
     "load_map": "hsr.problem.map",

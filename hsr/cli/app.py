@@ -21,7 +21,7 @@ from hsr.cli.algos import algos
 from hsr.cli.bench import bench_app
 from hsr.cli.compare import compare
 from hsr.cli.demo import demo
-from hsr.cli.diff import diff
+from hsr.cli.diff import diagnose, diff
 from hsr.cli.doctor import doctor
 from hsr.cli.explain import explain
 from hsr.cli.gallery import gallery
@@ -37,7 +37,7 @@ app = Typer(
     add_completion=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for verb in (demo, render, compare, diff, accept, explain, shrink, lesson, gallery, algos, doctor):
+for verb in (demo, render, compare, diff, diagnose, accept, explain, shrink, lesson, gallery, algos, doctor):
     # The sample -1,3 is outside the image, and no unknown option.
     app.command(context_settings={"ignore_unknown_options": verb in (explain, shrink)})(verb)
 for name, verbs in (("scene", scene_app), ("bench", bench_app), ("stability", stability_app)):

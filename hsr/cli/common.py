@@ -21,6 +21,9 @@ from typer.core import TyperGroup
 import hsr
 from hsr.base.errors import HsrError
 
+MAPS = (".npz", ".png")
+"""Endings of maps."""
+
 ALL = "all"
 """In place of the name of a method: every one there is."""
 
@@ -48,6 +51,12 @@ CameraName = Annotated[Text, Option(help="Camera; the scene's first by default."
 SceneFiles = Annotated[list[Path], Argument(help="Scenes or mesh files.")]
 SceneFile = Annotated[Path, Argument(help="Scene or mesh file.")]
 SceneOutput = Annotated[Path | None, output("Scene to write, .toml; standard output by default.")]
+MapFile = Annotated[Path, Argument(help="Map, .npz, or a PNG whose colours are ids, from 1 on.")]
+Against = Annotated[Path, Argument(help="What it should show: another map, or the scene, for the exact one.")]
+Model = Annotated[Text, Option(help="What made the map: exact, opengl, float32, float64 or a method.")]
+SubpixelBits = Annotated[int | None, Option(help="Of the model: bits of a pixel that corners keep.")]
+DepthFormat = Annotated[Text, Option(help="Of the model: what its depth buffer holds.")]
+FillRule = Annotated[Text, Option(help="Of the model: who owns samples on edges, top-left or bottom-left.")]
 Sample = Annotated[str, Argument(metavar="X,Y", help="Column and row, counted from 0 at the top left.")]
 
 
@@ -104,6 +113,11 @@ def parse_sample(text: str, view: hsr.View) -> tuple[int, int]:
         raise HsrError(f"sample {text!r}: write COLUMN,ROW, such as 311,204") from None
     check_sample(view, row, column)
     return column, row
+
+
+def read_map(path: Path, view: hsr.View | None = None) -> hsr.VisibilityMap:
+    """Read a map, or a picture of ids; those of a view are its triangles."""
+    return hsr.testing.from_png(path, view) if path.suffix.lower() == ".png" else hsr.load_map(path)
 
 
 def check_folder(output: Path | None) -> None:

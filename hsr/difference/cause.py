@@ -15,9 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from hsr.algorithms.registry import Method, methods
+from hsr.algorithms.registry import Method
 from hsr.base.arrays import Array, Pixels
-from hsr.base.errors import MapError
+from hsr.base.errors import MapError, MethodError, UnavailableError
+from hsr.models.foreign import CANDIDATES, model_of, modelled
 from hsr.models.rounded import tessellated_truth
 from hsr.models.stages import Cause, Pipeline
 from hsr.problem.map import VisibilityMap
@@ -77,7 +78,7 @@ def causes(view: View, answer: VisibilityMap, truth: VisibilityMap, **options: A
     view : View
         What ``answer`` shows; curved shapes not tessellated.
     answer : VisibilityMap
-        The map that is judged, by the method that it names.
+        The map that is judged, by the method that it names, or the model (:func:`hsr.testing.modelled`).
     truth : VisibilityMap
         The exact map of the same view, with its admissible owners.
     **options
@@ -102,7 +103,43 @@ def causes(view: View, answer: VisibilityMap, truth: VisibilityMap, **options: A
     >>> hsr.causes(view, hsr.render(view, "painter"), hsr.render(view, "exact")).counts
     {'no depth test': 2}
     """
-    return causes_by(methods().get(answer.method), view, answer, truth, **options)
+    method, noted = model_of(answer)
+    return causes_by(method, view, answer, truth, **noted | options)
+
+
+def explained(view: View, answer: VisibilityMap, truth: VisibilityMap) -> tuple[VisibilityMap, Causes | None]:
+    """Put the wrong samples of a map down to causes, by whomever it was made.
+
+    Parameters
+    ----------
+    view, answer, truth
+        As for :func:`causes`.
+
+    Returns
+    -------
+    VisibilityMap
+        The map. If it notes no model, and none is known of its method, all candidates
+        (``hsr.models.foreign.CANDIDATES``) are tried, and it notes the one that explains most, the first of
+        equals, if that explains at least half of the wrong samples.
+    Causes or None
+        None if no candidate does.
+    """
+    method, noted = model_of(answer)
+    if method and method.pipeline:
+        return answer, causes_by(method, view, answer, truth, **noted)
+    best: tuple[VisibilityMap, Causes | None] = answer, None
+    fewest = int(np.count_nonzero(~truth.admits(answer.face))) // 2 + 1
+    for candidate in CANDIDATES:
+        if not fewest:
+            break
+        made = modelled(answer, **candidate)
+        try:
+            found = causes(view, made, truth)
+        except (MethodError, UnavailableError):  # this view is beyond its limits
+            continue
+        if found.unexplained < fewest:
+            best, fewest = (made, found), found.unexplained
+    return best
 
 
 def causes_by(

@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hsr.algorithms.registry import methods
 from hsr.base.errors import MapError
 from hsr.difference.cause import Causes, causes_at
 from hsr.difference.nearby import check_sample, faces_nearby
 from hsr.difference.sightline import EDGE_ON, Layer, Sightline, sightlines
+from hsr.models.foreign import model_of
 from hsr.models.llvmpipe.driver import SUBPIXEL_BITS, Drawn, drawn_at
 from hsr.models.stages import Cause
 from hsr.problem.map import BACKGROUND, VisibilityMap, name_in
@@ -341,10 +341,10 @@ class Historian:
             return Cause(int(self.known[answer.method].cause.flat[sample]))
         # The models are asked about the faces near the sample first, which is quick; about the whole view
         # where that explains nothing, as when triangles elsewhere have a say.
-        method, here = methods().get(answer.method), np.array([sample])
+        (method, options), here = model_of(answer), np.array([sample])
         for view, face in ((self.nearby.view, self.number.get(shown)), (self.view, shown)):
             if view.placements and face is not None:
-                cause = Cause(int(causes_at(method, view, here, np.array([face]))[0]))
+                cause = Cause(int(causes_at(method, view, here, np.array([face]), **options)[0]))
                 if cause != Cause.UNEXPLAINED:
                     return cause
         return Cause.UNEXPLAINED

@@ -20,10 +20,11 @@ MISTAKES = {
     "no near clip": Buffer(near_clip=False),
     "z not divided": Buffer(divided=False),
     "truncating snap": Buffer(grid=16.0),
-    "swapped winding": Buffer(swapped=True),
+    "inverted culling": Buffer(swapped=True),
     "unnormalised t": Buffer(unscaled=True),
     "16-bit depth": Buffer(stored=levels(16, window)),
     "first instead of nearest hit": Buffer(nearest=False),
+    "> for <": Buffer(stored=lambda _, d: -d),
     "truncated bounding box": Buffer(short_box=True),
 }
 """A depth buffer for each mistake, by what people call it."""

@@ -7,6 +7,7 @@ that raise :class:`~hsr.base.errors.VisibilityError`, an ``AssertionError``, wit
 from __future__ import annotations
 
 from hsr.base.errors import VisibilityError
+from hsr.models.foreign import modelled
 from hsr.testing.checks import assert_agree, assert_matches_baseline, assert_same_visibility, assert_similar
 from hsr.testing.conformance import check_method
 from hsr.testing.converters import by_object, from_ids, from_nvdiffrast, from_open3d, from_png, from_pyrender
@@ -24,4 +25,5 @@ __all__ = [
     "from_open3d",
     "from_png",
     "from_pyrender",
+    "modelled",
 ]

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 from hsr.algorithms.registry import methods, render
-from hsr.base.arrays import Bools, Ints
+from hsr.base.arrays import Bools
 from hsr.base.errors import CheckError
-from hsr.difference.cause import Causes, causes
+from hsr.difference.cause import Causes, explained
 from hsr.difference.classes import OTHER_OWNER, Cluster, Difference, agreed_depths, compare, depth_step
+from hsr.difference.diagnosis import Diagnosis, diagnose
 from hsr.difference.history import history
 from hsr.mistakes.planted import MISTAKES, planted
+from hsr.models.foreign import modelled, told_of
 from hsr.models.stages import Cause
-from hsr.problem.map import BACKGROUND, VisibilityMap
+from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View, view
 from hsr.scene.files import load
 from hsr.scene.model import Scene
@@ -134,6 +136,18 @@ class Judgement:
         """(row, column) of the sample to look at first."""
         return self.groups[0].clusters[0].sample if self.groups else self.difference.depth.where
 
+    @property
+    def modelled(self) -> list[str]:
+        """By which model the causes were found, in words, if the map notes one."""
+        made_by = told_of(self.difference.a)
+        return [f"causes by the model {made_by}"] if self.causes and made_by else []
+
+    @cached_property
+    def diagnoses(self) -> tuple[Diagnosis, ...]:
+        """Mistakes that account for what differs; see :func:`hsr.diagnose`."""
+        view = None if self.subject is None else self.subject.view
+        return diagnose(self.difference.a, self.difference.b, view)
+
     def text(self) -> str:
         """Return the judgement as lines for people."""
         return "\n".join(self._lines())
@@ -172,9 +186,10 @@ class Judgement:
             yield f"  {group.label} {group.count}{allowed}, {clusters}, the largest: {largest}"
             if group.story:
                 yield f"    {group.story}"
+        yield from (f"  {line}" for line in self.modelled)
         yield from (f"  limit {line}" for line in self.broken)
         if not self.passed:
-            yield from _hint(self.difference, self.subject)
+            yield from (f"  diagnosis: {found}" for found in self.diagnoses)
 
 
 # ---------------------------------------------------------------- judging
@@ -245,6 +260,8 @@ def judge(
     CheckError
         If depths are to be judged that a map does not tell.
     """
+    if limits.made_by:
+        shown = modelled(shown, **limits.made_by)
     difference = compare(shown, expected)
     truth = _truth(expected, subject)
     other = shown.face != expected.face
@@ -252,7 +269,10 @@ def judge(
     if truth is not None:
         tied = other & truth.admits(shown.face) & truth.admits(expected.face)
     apart = other & ~tied
-    why = _causes(shown, truth, subject) if apart.any() else None
+    why = None
+    if subject is not None and truth is not None and apart.any():
+        shown, why = explained(subject.view, shown, truth)
+        difference = replace(difference, a=shown)
     wrong = apart if truth is None else apart & ~truth.admits(shown.face)
     masks = _masks(difference, apart, wrong, why)
     counted = apart & ~np.any([mask for label, mask in masks.items() if label in limits.allow], axis=0)
@@ -270,14 +290,6 @@ def _truth(expected: VisibilityMap, subject: Subject | None) -> VisibilityMap | 
     if expected.admissible is not None:
         return expected
     return None if subject is None else subject.truth
-
-
-def _causes(shown: VisibilityMap, truth: VisibilityMap | None, subject: Subject | None) -> Causes | None:
-    """Find why samples are wrong, where the truth is known and the method has models."""
-    method = methods().get(shown.method)
-    if truth is None or subject is None or method is None or not method.pipeline:
-        return None
-    return causes(subject.view, shown, truth)
 
 
 def _masks(difference: Difference, apart: Bools, wrong: Bools, why: Causes | None) -> dict[str, Bools]:
@@ -305,12 +317,28 @@ def _broken_counts(difference: Difference, counted: Bools, limits: Limits) -> It
         yield f"{limits.told('max_diff_pixels')}: {count} differ"
     if limits.max_diff_ratio is not None and count > limits.max_diff_ratio * counted.size:
         yield f"{limits.told('max_diff_ratio')}: {count / counted.size:.3g} of the samples differ"
+    if limits.expect_diff is not None and not limits.expect_diff[0] <= count <= limits.expect_diff[1]:
+        yield f"{limits.told('expect_diff')}: {count} differ"
+    if limits.max_in_window is not None:
+        yield from _broken_window(counted, limits)
     if limits.max_cluster is not None and count:
         largest = difference.clusters_of(counted)[0]
         if largest.size > limits.max_cluster:
             row, column = largest.sample
             together = f"{largest.size} hang together at column {column}, row {row}"
             yield f"{limits.told('max_cluster')}: {together}"
+
+
+def _broken_window(counted: Bools, limits: Limits) -> Iterator[str]:
+    """Count the samples in every window, by sums of all that lies above and left of a corner."""
+    side, most = limits.max_in_window or (0, 0)
+    high, wide = (min(side, length) for length in counted.shape)
+    total = np.pad(counted.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
+    inside = total[high:, wide:] - total[:-high, wide:] - total[high:, :-wide] + total[:-high, :-wide]
+    if inside.max() > most:
+        row, column = np.unravel_index(inside.argmax(), inside.shape)
+        where = f"in the window from column {column}, row {row}"
+        yield f"{limits.told('max_in_window')}: {inside.max()} differ {where}"
 
 
 def _broken_depths(difference: Difference, limits: Limits) -> Iterator[str]:
@@ -329,34 +357,6 @@ def _broken_depths(difference: Difference, limits: Limits) -> Iterator[str]:
         row, column = divmod(int(samples[gap.argmax()]), a.width)
         worst = f"most at column {column}, row {row}, by {gap.max():.3g}"
         yield f"{limits.told('depth_ulps')}: {beyond.sum()} depths differ, {worst}"
-
-
-# ---------------------------------------------------------------- hints
-
-UNDONE: dict[str, Callable[[Ints], Ints]] = {
-    "turned upside down": lambda face: face[::-1],
-    "mirrored": lambda face: face[:, ::-1],
-    "with every id one less": lambda face: np.where(face > BACKGROUND, face - 1, face),
-    "with every id one more": lambda face: np.where(face > BACKGROUND, face + 1, face),
-}
-"""What undoes the mistakes with which pictures of other renderers are commonly read."""
-
-
-MAX_TRIANGLES = 500
-"""In how large a view mistakes are planted to find the one that was made: a second or two."""
-
-
-def _hint(difference: Difference, subject: Subject | None) -> Iterator[str]:
-    """Name the mistake that would account for most of the differences, if one does."""
-    shown, expected = difference.a.face, difference.b.face
-    left = {words: int(np.count_nonzero(undo(shown) != expected)) for words, undo in UNDONE.items()}
-    if subject is not None and len(subject.view.tessellated().triangle_face) <= MAX_TRIANGLES:
-        for mistake in MISTAKES:
-            other = planted(mistake, difference.b, subject.view).face != shown
-            left[f"of a renderer that makes the mistake {mistake!r}"] = int(np.count_nonzero(other))
-    words, fewest = min(left.items(), key=lambda item: item[1])
-    if 2 * fewest < np.count_nonzero(shown != expected):
-        yield f"  hint: {words}, {fewest} samples would differ"
 
 
 # ---------------------------------------------------------------- self-check

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from hsr.base.errors import CheckError
 from hsr.difference.classes import OTHER_OWNER
+from hsr.models.foreign import MODEL, PARAMETERS
 from hsr.models.stages import Cause
 from hsr.scene.validation import nearest
 
@@ -17,11 +18,14 @@ REFERENCE_WRONG = "reference wrong"
 CAUSES = (*(cause.label for cause in Cause if cause), *(kind.label for kind in OTHER_OWNER), REFERENCE_WRONG)
 """What ``allow`` may name: causes where they are known, else classes of difference."""
 
-COUNTS = ("max_diff_pixels", "max_diff_ratio", "max_cluster")
+COUNTS = ("max_diff_pixels", "max_diff_ratio", "max_cluster", "max_in_window", "expect_diff")
 """The limits of how many samples may differ. All that are set apply; with none set no sample may."""
 
-NAMES = (*COUNTS, "depth_ulps", "allow")
-"""All limits."""
+MADE_BY = (MODEL, *PARAMETERS)
+"""How the judged map was made: see :func:`hsr.testing.modelled`."""
+
+NAMES = (*COUNTS, "depth_ulps", "allow", *MADE_BY)
+"""All limits, and what else a check goes by."""
 
 NUMBERS: dict[str, tuple[Any, str]] = {
     "max_diff_pixels": (int, "a whole number from 0"),
@@ -30,6 +34,12 @@ NUMBERS: dict[str, tuple[Any, str]] = {
     "max_diff_ratio": (int | float, "a number from 0 to 1"),
 }
 """Which numbers a limit may be."""
+
+PAIRS: dict[str, tuple[Callable[[int, int], bool], str]] = {
+    "max_in_window": (lambda side, most: side >= 1 and most >= 0, "(side, most), such as (8, 3)"),
+    "expect_diff": (lambda low, high: 0 <= low <= high, "(low, high), such as (10, 20)"),
+}
+"""Which pairs of whole numbers a limit may be."""
 
 
 @dataclass(frozen=True)
@@ -44,11 +54,18 @@ class Limits:
         Which share of all samples may, from 0 to 1.
     max_cluster : int or None
         How many of those may hang together, over sides or corners.
+    max_in_window : (int, int) or None
+        ``(side, most)``: how many of those may lie in any window of so many samples a side.
+    expect_diff : (int, int) or None
+        ``(low, high)``: how many there must be, from at least to at most, where a difference is expected.
     depth_ulps : float or None
         How many spacings of the stored depths (see ``depth_step``; an ulp or up to two of a float)
         the depths of one face may lie apart, equality included; depths are not judged by default.
     allow : frozenset of str
         Causes that are forgiven: samples put down to them do not count. See ``CAUSES``.
+    model, subpixel_bits, depth_format, fill_rule
+        By which model the judged map was made, see :func:`hsr.testing.modelled`. Without one it is that of
+        its method, or the one of several that explains most, if it explains half: see ``CANDIDATES``.
     origin : mapping
         Who set each limit, by its name.
 
@@ -61,8 +78,14 @@ class Limits:
     max_diff_pixels: int | None = None
     max_diff_ratio: float | None = None
     max_cluster: int | None = None
+    max_in_window: tuple[int, int] | None = None
+    expect_diff: tuple[int, int] | None = None
     depth_ulps: float | None = None
     allow: frozenset[str] = frozenset()
+    model: str | None = None
+    subpixel_bits: int | None = None
+    depth_format: str | None = None
+    fill_rule: str | None = None
     origin: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -71,6 +94,13 @@ class Limits:
             number = isinstance(value, kind) and not isinstance(value, bool)
             if value is not None and not (number and value >= 0):
                 raise CheckError(f"{name}={value!r}{self._by(name)}: expected {expected}")
+        for name, (makes_sense, expected) in PAIRS.items():
+            value = getattr(self, name)
+            pair = isinstance(value, tuple) and len(value) == 2 and all(type(one) is int for one in value)
+            if value is not None and not (pair and makes_sense(*value)):
+                raise CheckError(f"{name}={value!r}{self._by(name)}: expected {expected}")
+        if self.model is None and any(getattr(self, name) is not None for name in PARAMETERS):
+            raise CheckError(f"{', '.join(PARAMETERS)} belong to a model: name it, such as model='float32'")
         if (self.max_diff_ratio or 0.0) > 1.0:
             raise CheckError(f"max_diff_ratio={self.max_diff_ratio}{self._by('max_diff_ratio')}: at most 1")
         if isinstance(self.allow, str):
@@ -81,6 +111,11 @@ class Limits:
                 raise CheckError(f"allow: {what}causes are {', '.join(CAUSES)}")
         if all(getattr(self, name) is None for name in COUNTS):
             object.__setattr__(self, "max_diff_pixels", 0)
+
+    @property
+    def made_by(self) -> dict[str, Any]:
+        """How the judged map was made, as :func:`hsr.testing.modelled` takes it; empty if nothing says so."""
+        return {name: getattr(self, name) for name in MADE_BY} if self.model else {}
 
     def _by(self, name: str) -> str:
         return f" ({self.origin[name]})" if name in self.origin else ""

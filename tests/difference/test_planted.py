@@ -26,10 +26,11 @@ SHOWN_BY = {
     "no near clip": "soup",
     "z not divided": "soup",
     "truncating snap": "soup",
-    "swapped winding": "soup",
+    "inverted culling": "soup",
     "unnormalised t": "soup",
     "16-bit depth": "close pair",
     "first instead of nearest hit": "soup",
+    "> for <": "soup",
     "truncated bounding box": "soup",
 }
 """A view in which each mistake shows."""

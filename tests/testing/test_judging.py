@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ import hsr
 from hsr.base.errors import CheckError
 from hsr.problem.map import Admissible, VisibilityMap, depth_format
 from hsr.problem.view import View
+from hsr.testing.converters import from_ids
 from hsr.testing.judging import Subject, judge, subject_of
 from hsr.testing.limits import Limits
 
@@ -48,11 +50,28 @@ def test_without_a_scene_classes_stand_for_causes() -> None:
         ({"allow": frozenset({"wrong face", "missing", "extra"})}, True),
         ({"allow": frozenset({"wrong face", "missing"})}, False),
         ({"allow": frozenset({"wrong face"}), "max_cluster": 1}, True),
+        ({"max_in_window": (2, 2)}, True),
+        ({"max_in_window": (3, 2)}, False),
+        ({"max_in_window": (9, 3)}, True),
+        ({"max_in_window": (1, 0)}, False),
+        ({"expect_diff": (3, 3)}, True),
+        ({"expect_diff": (0, 2)}, False),
+        ({"expect_diff": (4, 9)}, False),
     ],
 )
 def test_every_limit_applies(limits: dict[str, Any], passed: bool) -> None:
     # The extra sample touches the wrong one by a corner, which is what holds all three together.
     assert judge("mine", SHOWN, EXPECTED, Limits(**limits)).passed == passed
+
+
+def test_the_window_with_most_is_named() -> None:
+    found = judge("mine", SHOWN, EXPECTED, Limits(max_in_window=(3, 2)))
+    assert found.broken == ("max_in_window=(3, 2) (default): 3 differ in the window from column 0, row 0",)
+
+
+def test_what_is_expected_to_differ_must() -> None:
+    found = judge("mine", EXPECTED, EXPECTED, Limits(expect_diff=(1, 5)))
+    assert found.broken == ("expect_diff=(1, 5) (default): 0 differ",) and found.diagnoses == ()
 
 
 def test_a_tie_never_counts() -> None:
@@ -131,6 +150,38 @@ def test_the_reference_may_be_what_is_wrong(box: View) -> None:
     assert judge("mine", truth, painted, Limits(allow=frozenset({"reference wrong"})), Subject(box)).passed
 
 
+@pytest.mark.jit
+@pytest.mark.parametrize(
+    ("how", "told", "model"),
+    [
+        ({"arithmetic": "float32", "subpixel_bits": 4}, {}, "float32, subpixel_bits 4"),
+        (
+            {"arithmetic": "float32", "subpixel_bits": 4, "fill_rule": "bottom-left"},
+            {"model": "float32", "subpixel_bits": 4, "fill_rule": "bottom-left"},
+            "float32, subpixel_bits 4, fill_rule bottom-left",
+        ),
+    ],
+)
+def test_a_picture_from_outside_has_causes(
+    box: View, how: dict[str, Any], told: dict[str, Any], model: str
+) -> None:
+    truth = hsr.render(box, "exact")
+    mine = from_ids(hsr.render(box, "scanline", stepping="direct", **how).face)
+    found = judge("mine", mine, truth, Limits(**told), Subject(box))
+    assert found.counts["vertex snapping"] >= 4 and "unexplained" not in found.counts
+    assert f"  causes by the model {model}\n" in found.text() and found.diagnoses == ()
+    allowed = Limits(allow=frozenset({"vertex snapping", "depth arithmetic"}), **told)
+    assert judge("mine", mine, truth, allowed, Subject(box)).passed
+
+
+@pytest.mark.jit
+def test_polygons_in_place_of_curved_shapes_are_found_untold(scenes: Path) -> None:
+    solids = hsr.view(hsr.load(scenes / "solids.toml"), (64, 48))
+    mine = from_ids(hsr.render(solids, "zbuffer").face)
+    found = judge("mine", mine, hsr.render(solids, "exact"), Limits(), Subject(solids))
+    assert set(found.counts) == {"tessellation"}
+
+
 def test_a_renderer_without_models_is_judged_by_class(box: View) -> None:
     truth = hsr.render(box, "exact")
     shifted = replace(truth, face=np.roll(truth.face, 1, axis=1), method="other", admissible=None)
@@ -143,15 +194,16 @@ def test_a_renderer_without_models_is_judged_by_class(box: View) -> None:
     ("undone", "words"),
     [
         (lambda face: face[::-1], "turned upside down"),
-        (lambda face: face[:, ::-1], "mirrored"),
-        (lambda face: np.where(face >= 0, face + 1, -1), "with every id one less"),
-        (lambda face: np.where(face > 0, face - 1, -1), "with every id one more"),
+        (lambda face: face[:, ::-1], "mirrored left to right"),
+        (lambda face: np.where(face >= 0, face + 1, -1), "ids 1 too high"),
+        (lambda face: np.where(face > 0, face - 1, -1), "ids 1 too low"),
+        (lambda face: np.roll(face, 1, axis=1), "shifted by (1, 0)"),
     ],
 )
 def test_common_mistakes_of_reading_are_named(box: View, undone: Any, words: str) -> None:
     truth = hsr.render(box, "exact")
     wrong = replace(truth, face=undone(truth.face).astype(np.int32), admissible=None)
-    assert f"hint: {words}, " in judge("mine", wrong, truth, Limits()).text()
+    assert f"  diagnosis: {words}: explains " in judge("mine", wrong, truth, Limits()).text()
 
 
 def test_a_map_of_other_faces_is_refused(box: View) -> None:

@@ -21,6 +21,11 @@ def test_any_count_that_is_set_takes_the_place_of_the_default(name: str) -> None
     assert Limits(**{name: 0}).max_diff_pixels is None
 
 
+@pytest.mark.parametrize("name", ["max_in_window", "expect_diff"])
+def test_so_does_any_pair(name: str) -> None:
+    assert Limits(**{name: (3, 3)}).max_diff_pixels is None
+
+
 def test_judging_depths_leaves_the_default() -> None:
     assert Limits(depth_ulps=4).max_diff_pixels == 0
 
@@ -48,6 +53,11 @@ def test_of_unknown_limits_the_first_is_named() -> None:
         ({"depth_ulps": float("nan")}, "depth_ulps=nan (here): expected a number from 0"),
         ({"allow": "fill rule"}, "allow='fill rule' (here): write a set"),
         ({"allow": {"vertex snaping"}}, "no cause 'vertex snaping' (here); did you mean 'vertex snapping'?"),
+        ({"max_in_window": (0, 3)}, "max_in_window=(0, 3) (here): expected (side, most), such as (8, 3)"),
+        ({"max_in_window": 3}, "max_in_window=3 (here): expected (side, most)"),
+        ({"expect_diff": (3, 2)}, "expect_diff=(3, 2) (here): expected (low, high), such as (10, 20)"),
+        ({"expect_diff": (1.5, 2)}, "expect_diff=(1.5, 2) (here): expected (low, high)"),
+        ({"subpixel_bits": 4}, "subpixel_bits, depth_format, fill_rule belong to a model: name it"),
         ({"max_pixels": 3}, "here: there is no limit 'max_pixels'; there are max_diff_pixels"),
     ],
 )
