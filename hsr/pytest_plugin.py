@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 FIXTURE = "visibility"
 UPDATES = ("failed", "new", "all")
+UNUSED = ("warn", "fail", "ignore")
 RESULTS = ".hsr-results"
 MARK = ".gitignore"
 OURS = "# results of visibility checks, written anew by every run\n*\n"
@@ -32,12 +33,22 @@ def _causes(text: str) -> frozenset[str]:
     return frozenset(name.strip() for name in text.split(",") if name.strip())
 
 
+def _pair(text: str) -> tuple[int, ...]:
+    return tuple(int(number) for number in text.split(","))
+
+
 LIMITS: dict[str, tuple[Any, str]] = {
     "max_diff_pixels": (int, "samples that may show another face"),
     "max_diff_ratio": (float, "share of samples that may show another face"),
     "max_cluster": (int, "samples of another face that may hang together"),
+    "max_in_window": (_pair, "SIDE,MOST: samples of another face that may lie in any window of that side"),
+    "expect_diff": (_pair, "LOW,HIGH: how many samples must show another face"),
     "depth_ulps": (float, "spacings of stored depths that depths may differ by"),
     "allow": (_causes, "causes that are forgiven, comma separated"),
+    "model": (str, "what made the maps: exact, opengl, float32, float64 or a method"),
+    "subpixel_bits": (int, "of the model: bits of a pixel that corners keep"),
+    "depth_format": (str, "of the model: what its depth buffer holds"),
+    "fill_rule": (str, "of the model: who owns samples on edges, top-left or bottom-left"),
 }
 """Each limit, how its text is read, and what it says."""
 
@@ -49,6 +60,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption("--hsr-results", metavar="DIR", help=f"folder of results, {RESULTS} by default")
     group.addoption("--hsr-selfcheck", action="store_true", help="try every check on planted mistakes")
     group.addoption("--hsr-require-gl", action="store_true", help="fail, not skip, where OpenGL is missing")
+    group.addoption("--hsr-unused", choices=UNUSED, default="warn", help="what unused baselines do")
     parser.addini("hsr_results", f"folder of results, {RESULTS} by default", default="")
     parser.addini("hsr_baselines", "what baselines keep: maps, or hashes alone", default="maps")
     for name, (_, about) in LIMITS.items():
@@ -196,14 +208,17 @@ class _Gatherer:
     @pytest.hookimpl(trylast=True)
     def pytest_sessionfinish(self, session: pytest.Session) -> None:
         """Write the results, if there are any."""
-        if self._config.option.collectonly or not any(self._results.glob("*/*/checks.json")):
+        option, recorded = self._config.option, any(self._results.glob("*/*/checks.json"))
+        if option.collectonly or not (recorded or option.hsr_selfcheck):
             return
-        from hsr.testing.results import gather
+        self._lines, fails = ["no check was tried on planted mistakes: there is none"], True
+        if recorded:
+            from hsr.testing.results import gather
 
-        root, partial = self._config.rootpath, self._partial or session.shouldstop or session.shouldfail
-        whole = [root / module for module, passed in self._passed.items() if passed and not partial]
-        self._lines, overlooked = gather(self._results, root, whole)
-        if overlooked and session.exitstatus == pytest.ExitCode.OK:
+            root, partial = self._config.rootpath, self._partial or session.shouldstop or session.shouldfail
+            whole = [root / module for module, passed in self._passed.items() if passed and not partial]
+            self._lines, fails = gather(self._results, root, whole, option.hsr_unused, option.hsr_selfcheck)
+        if fails and session.exitstatus == pytest.ExitCode.OK:
             session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:

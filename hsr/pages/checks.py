@@ -47,11 +47,12 @@ def write_page(
         found = {**check, "test": test, "thumbs": [], "pictures": _pictures(check, path.parent)}
         if check["inspection"]:
             told = json.loads((path.parent / check["inspection"]).read_text(encoding="utf-8"))
-            found |= {"thumbs": told["thumbs"], "scene": len(data)}
+            found |= {"thumbs": told["thumbs"], "pictures": told["beside"], "scene": len(data)}
             data.append(told["scene"])
         shown.append(found)
     sheet, scripts = style("inspector.css", "checks.css"), ["viewer.js", "decisions.js"]
-    told = {"checks": shown, "run": run, "unused": unused, **inspected(data)}
+    causes = sorted({cause for check in shown for cause in check["counts"]})
+    told = {"checks": shown, "causes": causes, "run": run, "unused": unused, **inspected(data)}
     text = page("checks", "Visibility checks", sheet, scripts if data else scripts[1:], **told)
     write_whole(path, text, "the page")
 
@@ -68,14 +69,18 @@ def kept(shown: Shown) -> dict[str, Any]:
     -------
     dict
         JSON values: ``scene``, for the inspector; ``thumbs``, small pictures that lead to it, each the name
-        of its map, what it shows, and its data URI. The first is what the inspector calls the picture.
+        of its map, what it shows, and its data URI. The first is what the inspector calls the picture;
+        ``beside``, pictures that lead nowhere, each what it is and its data URI.
     """
     base = shown.reference or next(iter(shown.maps))
     map = shown.maps[base]
     picture = face_picture(map.face) if shown.view is None else shade(map, shown.view)
     thumbs = [(base, "faces" if shown.view is None else "picture", data_uri(picture))]
     thumbs += [(name, "where it differs", data_uri(it.picture())) for name, it in shown.differences.items()]
-    return {"scene": inspection(shown, DIGITS), "thumbs": thumbs}
+    told: dict[str, Any] = {"scene": inspection(shown, DIGITS), "thumbs": thumbs, "beside": []}
+    if (other := shown.beside) is not None:
+        told["beside"] = [(f"expected, {other.width}x{other.height}", data_uri(face_picture(other.face)))]
+    return told
 
 
 def _pictures(check: Mapping[str, Any], folder: Path) -> list[tuple[str, str]]:

@@ -47,6 +47,8 @@ class Shown(NamedTuple):
         Of the others from it.
     causes : mapping of str to Causes
         As far as they are known.
+    beside : VisibilityMap or None
+        What was expected, if it has another size and can only be looked at.
     """
 
     name: str
@@ -55,6 +57,7 @@ class Shown(NamedTuple):
     reference: str | None
     differences: Mapping[str, Difference]
     causes: Mapping[str, Causes]
+    beside: VisibilityMap | None = None
 
 
 class Stories(NamedTuple):

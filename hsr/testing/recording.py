@@ -186,7 +186,9 @@ class Visibility:
         if not check.passed and not check.shown:
             check.shown = self._keep(check, "shown", map)
             view = subject.view if subject else None
-            self._inspect(check, Shown(check.key, view, {called: map}, None, {}, {}))
+            self._inspect(
+                check, Shown(check.key, view, {called: map}, None, {}, {}, found.stored if files else None)
+            )
         due = "new" if not files else "failed" if not check.passed else "all"
         if self._test.config.getoption("hsr_update") in (due, "all"):
             write(target, map, check.depths)

@@ -11,6 +11,8 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from hsr.base.errors import CheckError
+from hsr.base.files import write_whole
+from hsr.lab.machine import machine
 from hsr.pages.checks import write_page
 from hsr.problem.map import VisibilityMap, load_map
 from hsr.testing.baselines import FOLDER, next_variant, read_json, write
@@ -27,7 +29,9 @@ CHOICES = ("accept", "variant", "reject")
 """Replace the baseline, keep one more valid one, or leave all as it is."""
 
 
-def gather(folder: Path, root: Path, whole: Sequence[Path]) -> tuple[list[str], bool]:
+def gather(
+    folder: Path, root: Path, whole: Sequence[Path], unused: str = "warn", selfcheck: bool = False
+) -> tuple[list[str], bool]:
     """Write ``results.json``, ``report.html`` and ``summary.md`` from what the tests of a run recorded.
 
     Parameters
@@ -37,14 +41,19 @@ def gather(folder: Path, root: Path, whole: Sequence[Path]) -> tuple[list[str], 
     root : Path
         The project's root.
     whole : sequence of Path
-        Test modules that used all the baselines they need: what they did not use is reported.
+        Test modules that used all the baselines they need: what they did not use is unused.
+    unused : {"warn", "fail", "ignore"}
+        What to make of baselines that no test used.
+    selfcheck : bool
+        Whether checks were to be tried on planted mistakes.
 
     Returns
     -------
     list of str
         Lines for the terminal.
     bool
-        Whether a check was tried on planted mistakes, and let one pass.
+        Whether the run fails for what no test could notice: a check let a planted mistake pass, none could
+        be tried on any, or unused baselines are to fail.
 
     Raises
     ------
@@ -53,15 +62,37 @@ def gather(folder: Path, root: Path, whole: Sequence[Path]) -> tuple[list[str], 
     """
     records = [json.loads(file.read_text(encoding="utf-8")) for file in folder.glob(f"{ITEMS}/*/checks.json")]
     records.sort(key=lambda record: record["test"])
-    checks = [(record["test"], Check(**check)) for record in records for check in record["checks"]]
-    checks.sort(key=lambda entry: entry[1].passed)  # failed first, else in order of tests
-    unused = [file.relative_to(root).as_posix() for file in _unused(records, whole, root)]
+    left = [file.relative_to(root).as_posix() for file in _unused(records, whole, root) if unused != "ignore"]
     run = hashlib.sha256(json.dumps(records, sort_keys=True).encode()).hexdigest()[:16]
-    told = {"hsr": 1, "run": run, "unused": unused, "tests": records}
-    (folder / RESULTS).write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
-    (folder / SUMMARY).write_text(_summary(checks, unused), encoding="utf-8")
-    write_page([(test, vars(check)) for test, check in checks], run, unused, folder / PAGE)
-    return list(_lines(checks, unused, folder)), any(check.lets_pass for _, check in checks)
+    told = {"hsr": 1, "run": run, "environment": _environment(records), "unused": left, "tests": records}
+    write_whole(folder / RESULTS, json.dumps(told, indent=1) + "\n", "the results", CheckError)
+    checks = report(folder / RESULTS)
+    lets_pass = [check.lets_pass for _, check in checks if check.lets_pass is not None]
+    overlooked = selfcheck and (not lets_pass or any(lets_pass))
+    return list(_lines(checks, left, folder, selfcheck)), overlooked or (unused == "fail" and bool(left))
+
+
+def report(results: Path) -> list[tuple[str, Check]]:
+    """Write page and summary of a run beside its ``results.json``; return its checks, each with its test.
+
+    Raises
+    ------
+    HsrError
+        If a file cannot be read or written.
+    """
+    folder, told = results.parent, _json(results)
+    checks = [(record["test"], Check(**check)) for record in told["tests"] for check in record["checks"]]
+    checks.sort(key=lambda entry: entry[1].passed)  # failed first, else in order of tests
+    write_whole(folder / SUMMARY, _summary(checks, told["unused"]), "the summary", CheckError)
+    write_page([(test, vars(check)) for test, check in checks], told["run"], told["unused"], folder / PAGE)
+    return checks
+
+
+def _environment(records: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return the machine, versions, and who rendered what was checked."""
+    contents = (check["contents"] for record in records for check in record["checks"])
+    renderers = sorted({held["renderer"] for held in contents if held})
+    return {**machine().model_dump(mode="json"), "renderers": renderers}
 
 
 def _unused(records: Sequence[dict[str, Any]], whole: Sequence[Path], root: Path) -> list[Path]:
@@ -74,7 +105,9 @@ def _unused(records: Sequence[dict[str, Any]], whole: Sequence[Path], root: Path
     return sorted(set(files) - used)
 
 
-def _lines(checks: Sequence[tuple[str, Check]], unused: Sequence[str], folder: Path) -> Iterator[str]:
+def _lines(
+    checks: Sequence[tuple[str, Check]], unused: Sequence[str], folder: Path, selfcheck: bool
+) -> Iterator[str]:
     failed = sum(not check.passed for _, check in checks)
     yield f"{len(checks)} checks, {failed} failed: {(folder / PAGE).as_uri()}"
     yield from (f"unused baseline: {file}" for file in unused)
@@ -85,8 +118,9 @@ def _lines(checks: Sequence[tuple[str, Check]], unused: Sequence[str], folder: P
     weak = sum(check.weaker for _, check in checks)
     if weak:
         yield f"{weak} of the checks compare pictures: weaker, as a wrong face may be painted alike"
-    if tried:
-        yield f"{len(tried)} of {len(checks)} checks were tried on planted mistakes; the others name no scene"
+    if selfcheck:
+        others = "the others failed, or name no scene" if tried else "tell them what they show, by scene="
+        yield f"{len(tried)} of {len(checks)} checks were tried on planted mistakes; {others}"
 
 
 def _summary(checks: Sequence[tuple[str, Check]], unused: Sequence[str]) -> str:

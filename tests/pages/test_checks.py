@@ -59,7 +59,7 @@ def page(real: Study, tmp_path_factory: pytest.TempPathFactory) -> Path:
         Check("a/1", "mine", False, "4 <differ>", inspection="a.json", baseline=baseline),
         Check("b/1", "new", False, "there is no baseline", inspection="b.json", baseline="x/new.npz"),
         Check("c/1", "pictures", False, "differ", shown="shown.png", expected="expected.png", weaker=True),
-        Check("e/1", "mine", False, "many differ", inspection="e.json"),
+        Check("e/1", "mine", False, "many differ", {"no depth test": 9}, inspection="e.json"),
         Check("d/1", "fine", True, "0 samples", lets_pass={"flipped y": 12}),
     ]
     entries = [(f"test_{check.key[0]}", asdict(check)) for check in checks]
@@ -144,3 +144,23 @@ def test_decisions_are_handed_out_as_a_file(tab: Any, tmp_path: Path) -> None:
     download.value.save_as(tmp_path / "decisions.json")
     made = json.loads((tmp_path / "decisions.json").read_text(encoding="utf-8"))
     assert made == {"hsr": 1, "run": "run-7", "decisions": {"a/1": "accept", "b/1": "variant"}}
+
+
+def test_checks_are_filtered_and_what_is_shown_is_accepted_at_once(tab: Any) -> None:
+    def shown() -> list[str]:
+        return tab.locator("section.check:visible h2").all_inner_texts()
+
+    tab.locator("#state").select_option("no depth test")
+    assert [name.split()[-1] for name in shown()] == ["test_e"]
+    assert tab.locator("#matching").inner_text() == "1 of 5 checks"
+    tab.locator("#state").select_option("failed")
+    tab.locator("#words").fill("TEST_B")
+    assert [name.split()[-1] for name in shown()] == ["test_b"]
+    tab.locator("#all").click()
+    tab.locator("#words").fill("")
+    assert len(shown()) == 4
+    assert tab.locator("fieldset[data-check='b/1'] input[value=accept]").is_checked()
+    assert not tab.locator("fieldset[data-check='a/1'] input:checked").count()
+    tab.locator("#all").click()
+    assert tab.locator("fieldset input[value=accept]:checked").count() == 2
+    assert tab.locator("#download").is_enabled()

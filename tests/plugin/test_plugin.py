@@ -208,7 +208,14 @@ def test_unused_baselines_are_told_after_a_whole_run_alone(project: pytest.Pytes
         run = project.runpytest("test_baselines.py", "-n", processes)
         run.assert_outcomes(passed=6)
         run.stdout.fnmatch_lines(unused)
-    for some in (("test_baselines.py::test_two",), ("test_baselines.py", "-k", "two", "-n", "1")):
+    assert project.runpytest("test_baselines.py", "--hsr-unused=fail").ret == pytest.ExitCode.TESTS_FAILED
+    ignored = project.runpytest("test_baselines.py", "--hsr-unused=ignore")
+    assert ignored.ret == pytest.ExitCode.OK
+    ignored.stdout.no_fnmatch_line("unused baseline*")
+    for some in (
+        ("test_baselines.py::test_two", "--hsr-unused=fail"),
+        ("test_baselines.py", "-k", "two", "-n", "1"),
+    ):
         project.runpytest(*some).stdout.no_fnmatch_line("unused baseline*")
 
 
@@ -282,10 +289,63 @@ def test_the_self_check_names_what_would_pass(project: pytest.Pytester) -> None:
     run.assert_outcomes(passed=2)
     assert run.ret == pytest.ExitCode.TESTS_FAILED
     run.stdout.fnmatch_lines(["test_truth.py::test_lax: raycast would pass with the mistake *"])
+    run.stdout.fnmatch_lines(["2 of 2 checks were tried on planted mistakes; *"])
     run.stdout.no_fnmatch_line("test_truth.py::test_right: *")
     told = checks(project)
     assert "flipped y" in told["test_truth.py::test_lax raycast"]["lets_pass"]
     assert told["test_truth.py::test_right mine"]["lets_pass"] == {}
+
+
+@pytest.mark.parametrize(
+    ("which", "told"),
+    [
+        ("test_baselines.py::test_scene", "0 of 1 checks were tried on planted mistakes; tell them what *"),
+        ("test_other.py", "no check was tried on planted mistakes: there is none"),
+    ],
+)
+def test_a_self_check_that_tries_nothing_fails(written: pytest.Pytester, which: str, told: str) -> None:
+    written.makepyfile(test_other="def test_nothing(): pass")
+    assert written.runpytest(which).ret == pytest.ExitCode.OK
+    run = written.runpytest(which, "--hsr-selfcheck")
+    run.assert_outcomes(passed=1)
+    assert run.ret == pytest.ExitCode.TESTS_FAILED
+    run.stdout.fnmatch_lines([told])
+
+
+def test_a_marker_may_tell_the_model(project: pytest.Pytester) -> None:
+    project.makepyfile(
+        test_model="""
+        import hsr, pytest
+
+        @pytest.fixture
+        def view():
+            return hsr.view(hsr.load("room.toml"), (48, 32))
+
+        @pytest.fixture
+        def mine(view):
+            rounded = {"arithmetic": "float32", "stepping": "direct", "subpixel_bits": 4}
+            return hsr.testing.from_ids(hsr.render(view, "scanline", **rounded).face)
+
+        @pytest.mark.visibility(allow={"vertex snapping"}, model="float32", subpixel_bits=4)
+        def test_told(visibility, view, mine):
+            visibility.agree({"mine": mine}, hsr.render(view, "exact"), scene=view)
+
+        def test_not_told(visibility, view, mine):
+            visibility.agree({"mine": mine}, hsr.render(view, "exact"), scene=view)
+        """
+    )
+    run = project.runpytest("test_model.py")
+    run.assert_outcomes(passed=1, failed=1)
+    run.stdout.fnmatch_lines(["E *vertex snapping *", "E *causes by the model float32, subpixel_bits 4"])
+    told = (
+        "--hsr-model=float32",
+        "--hsr-subpixel-bits=4",
+        "--hsr-max-in-window=8,0",
+        "--hsr-expect-diff=1,90",
+    )
+    run = project.runpytest("test_model.py", "-k", "not_told", *told)
+    run.stdout.fnmatch_lines(["E *limit max_in_window=(8, 0) (command line): * differ in the window from *"])
+    run.stdout.no_fnmatch_line("E *limit expect_diff*")
 
 
 # ---------------------------------------------------------------- results
@@ -317,6 +377,25 @@ def test_results_for_programs_and_for_people(written: pytest.Pytester) -> None:
     (entry,) = list(wrong.iter("property"))
     assert entry.get("name") == "visibility painted"
     assert str(entry.get("value")).startswith("failed: ") and "no depth test" in str(entry.get("value"))
+
+
+def test_results_tell_where_they_were_made_and_make_the_page_again(written: pytest.Pytester) -> None:
+    outcome(written)
+    told, page = results(written)["environment"], written.path / ".hsr-results/report.html"
+    assert told["versions"].keys() >= {"python", "hsr-lab", "numpy"} and told["system"]
+    assert {"backface", "painter", "raycast"} <= set(told["renderers"])
+    text = page.read_text(encoding="utf-8")
+    page.unlink()
+    done = CliRunner().invoke(app, ["report", str(page.with_name("results.json"))])
+    assert done.exit_code == 0 and done.output.startswith("10 checks: ")
+    assert page.read_text(encoding="utf-8") == text
+
+
+def test_what_was_expected_stands_beside_a_picture_of_another_size(written: pytest.Pytester) -> None:
+    change(written, "........\n", "........\n........\n")
+    written.runpytest("test_baselines.py::test_scene")
+    page = (written.path / ".hsr-results/report.html").read_text(encoding="utf-8")
+    assert "<figcaption><b>expected, 8x8</b></figcaption>" in page
 
 
 def test_results_go_where_they_are_told(project: pytest.Pytester) -> None:
