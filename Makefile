@@ -1,6 +1,7 @@
 # make lab    set up, compare all built-in scenes by the methods, write and name the report
 # make test   set up, then lint, types, import rules, tests (with the JIT and without)
 # make proof  the long run: every scene, many sizes; MESHES=DIR adds real meshes
+# make docs   the API reference: reports/api/index.html
 # make samples  write the report, the course of lessons and the gallery that are kept under reports/
 # make clean  remove the environment and generated reports
 
@@ -24,7 +25,7 @@ export PYTHONDONTWRITEBYTECODE :=
 install = $(APT) update >/dev/null 2>&1 && $(APT) install -y --no-install-recommends $(1) >/dev/null 2>&1 \
 	|| echo "not installed: $(1); for $(2) run: apt-get install -y --no-install-recommends $(1)"
 
-.PHONY: lab test proof samples clean opengl browser
+.PHONY: lab test proof docs samples clean opengl browser
 
 lab: $(VENV)/lab.stamp opengl
 	@$(BIN)/hsr compare scenes/*.toml --size $(SIZE) -o $(REPORT)
@@ -73,10 +74,13 @@ browser:
 		echo "installing Chromium, in which the report is tested"; \
 		$(call install,chromium,the browser tests); }
 
+docs: $(VENV)/test.stamp
+	@$(BIN)/python docs/api.py reports/api
+
 samples: $(VENV)/lab.stamp opengl
 	$(BIN)/hsr compare scenes/cyclic.toml scenes/solids.toml --size 192 $(addprefix -a ,$(SAMPLED)) -o reports/sample.html
 	$(BIN)/hsr lesson --all -o reports/lessons
 	$(BIN)/hsr gallery $(addprefix scenes/,$(addsuffix .toml,$(SHOWN))) $(addprefix --turn ,$(TURNING)) -o reports/gallery
 
 clean:
-	rm -rf $(VENV) reports/lab.html
+	rm -rf $(VENV) reports/lab.html reports/api

@@ -1,7 +1,7 @@
 """Checks of visibility for other people's test suites: by face id, exact where the truth is known.
 
 The pytest plug-in makes the same checks by its fixture ``visibility``; here they are plain functions
-that raise :class:`~hsr.base.errors.VisibilityError`, an ``AssertionError``, with the same text.
+that raise :class:`hsr.base.errors.VisibilityError`, an ``AssertionError``, with the same text.
 """
 
 from __future__ import annotations
