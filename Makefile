@@ -1,6 +1,6 @@
 # make lab    set up, compare all built-in scenes by the methods, write and name the report
 # make test   set up, then lint, types, import rules, tests (with the JIT and without)
-# make proof  the long run: every scene, many sizes; MESHES=DIR adds real meshes
+# make proof  the long run: every scene, many sizes (MESHES=DIR adds real meshes), and what the README shows
 # make docs   the API reference: reports/api/index.html
 # make samples  write the report, the course of lessons and the gallery that are kept under reports/
 # make clean  remove the environment and generated reports
@@ -43,6 +43,7 @@ test: $(VENV)/test.stamp opengl browser
 
 proof: $(VENV)/test.stamp opengl
 	$(BIN)/python -m tests.proof $(if $(MESHES),--meshes $(MESHES)) -o reports/proof.md
+	$(BIN)/python -m tests.proof_readme
 
 $(VENV)/bin/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
