@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from hsr.difference.classes import compare as compare
     from hsr.difference.diagnosis import diagnose as diagnose
     from hsr.difference.history import history as history
+    from hsr.pages.notebook import report as report
     from hsr.problem.map import VisibilityMap as VisibilityMap
     from hsr.problem.map import load_map as load_map
     from hsr.problem.view import View as View
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 __version__ = "0.2.0"
 
 # Imported on first use: `hsr --help` must not wait for numba or trimesh. What makes scenes comes by way of
-# the view, which gives them their geometry.
+# those who give them what notebooks show and, through the view, their geometry.
 _HOME = {
     "Difference": "hsr.difference.classes",
     "HsrError": "hsr.base.errors",
@@ -37,17 +38,18 @@ _HOME = {
     "Method": "hsr.algorithms.registry",
     "Orthographic": "hsr.problem.view",
     "Perspective": "hsr.problem.view",
-    "Scene": "hsr.problem.view",
+    "Scene": "hsr.pages.notebook",
     "View": "hsr.problem.view",
     "VisibilityMap": "hsr.problem.map",
     "causes": "hsr.difference.cause",
     "compare": "hsr.difference.classes",
     "diagnose": "hsr.difference.diagnosis",
     "history": "hsr.difference.history",
-    "load": "hsr.problem.view",
+    "load": "hsr.pages.notebook",
     "load_map": "hsr.problem.map",
     "methods": "hsr.algorithms.registry",
     "render": "hsr.algorithms.registry",
+    "report": "hsr.pages.notebook",
     "view": "hsr.problem.view",
 }
 

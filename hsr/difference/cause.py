@@ -21,6 +21,8 @@ from hsr.base.errors import MapError, MethodError, UnavailableError
 from hsr.models.foreign import CANDIDATES, model_of, modelled
 from hsr.models.rounded import tessellated_truth
 from hsr.models.stages import Cause, Pipeline
+from hsr.pictures.maps import class_picture
+from hsr.pictures.palette import CAUSE_COLOURS
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View
 
@@ -58,6 +60,15 @@ class Causes:
     def unexplained(self) -> int:
         """Number of wrong samples that the deepest model does not show."""
         return self.counts.get(Cause.UNEXPLAINED.label, 0)
+
+    def _repr_html_(self) -> str:
+        """Show in a notebook where it is wrong, and why."""
+        from hsr.pictures.notebook import figure  # Pillow and its like are for pictures only
+
+        colours = {int(cause): CAUSE_COLOURS[cause.label] for cause in Cause if cause}
+        told = "".join(f"\n{number:,} {name}" for name, number in self.counts.items())
+        picture = class_picture(self.cause, self.cause > 0, colours)
+        return figure(picture, f"where {self.method} is wrong", f"{self.method}: {self.wrong:,} wrong{told}")
 
     def to_json(self) -> dict[str, Any]:
         """Return the figures as JSON values."""

@@ -10,6 +10,7 @@ from functools import cache, cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
+from markupsafe import Markup
 
 from hsr.base.errors import MapError
 from hsr.difference.cause import Causes, causes_at
@@ -192,6 +193,10 @@ class History:
             "missed": [f"{x.name}  {x.layer.facing}{_edges(x)}" for x in missed[:MISSES_TOLD]] + more,
             "sentences": [story.sentence for story in self.stories],
         }
+
+    def _repr_html_(self) -> str:
+        """Show the text in a notebook."""
+        return Markup("<pre>{}</pre>").format(self)
 
     def __str__(self) -> str:
         parts = self.parts()

@@ -41,18 +41,34 @@ def write_report(
     progress: Progress | None = None,
     pending: Sequence[str] = (),
 ) -> None:
-    """Write a report on several studies as one HTML file that needs no network.
+    """Write :func:`report_page` as a file.
 
     A report can be written in stages: ``write_report([], path, pending=["exact", "zbuffer"])`` before there
     is anything, ``write_report([found], path, pending=["zbuffer"])`` once a first study is there, and at the
     end without ``pending``. Until then a browser that shows it loads it again every second, and stays where
     it is.
 
+    It is written beside its place and then renamed, so a report that was there stays whole if anything
+    fails.
+
+    Raises
+    ------
+    HsrError
+        If there is nothing to report, or the file cannot be written.
+    """
+    write_whole(path, report_page(studies, title, progress, pending), "the report")
+
+
+def report_page(
+    studies: Sequence[Study],
+    title: str = TITLE,
+    progress: Progress | None = None,
+    pending: Sequence[str] = (),
+) -> str:
+    """Return a report on several studies as one HTML page that needs no network.
+
     :func:`hsr.pages.inspector.fragment` names a sample in it: with that at the end of its address the
     inspector opens there.
-
-    The file is written beside its place and then renamed, so a report that was there stays whole
-    if anything fails.
 
     Parameters
     ----------
@@ -69,7 +85,7 @@ def write_report(
     Raises
     ------
     HsrError
-        If there is nothing to report, or the file cannot be written.
+        If there is nothing to report.
     """
     for found in studies:
         if not found.maps:
@@ -81,7 +97,7 @@ def write_report(
         if progress is not None:
             progress(f"histories of {found.name}")
         data.append(inspection(found, min(DIGITS, ALL_DIGITS // len(studies))))
-    write_whole(path, _page(studies, title, data, pending), "the report")
+    return _page(studies, title, data, pending)
 
 
 def _page(

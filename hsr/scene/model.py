@@ -453,6 +453,8 @@ class Scene(Description):
     _folder: Path = PrivateAttr(default=Path())
     geometry: ClassVar[Any]
     """The objects in world space, for all views: a property, given by :mod:`hsr.problem.geometry`."""
+    _repr_html_: ClassVar[Any]
+    """What a notebook shows: a method, given by :mod:`hsr.pages.notebook`."""
 
     @property
     def folder(self) -> Path:
