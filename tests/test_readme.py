@@ -8,7 +8,9 @@ import runpy
 import shlex
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
 from typer.testing import CliRunner
 
 from hsr.base.errors import UnavailableError
@@ -104,3 +106,23 @@ def test_the_scene_is_valid(tmp_path: Path) -> None:
     file = tmp_path / "scene.toml"
     file.write_text(text, encoding="utf-8")
     assert hsr.load(file).object[0].name == "box"
+
+
+@pytest.mark.jit
+def test_the_test_of_another_renderer_runs(pytester: pytest.Pytester) -> None:
+    """Its picture is what OpenGL would draw, in ids of triangles from 1 on."""
+    import hsr
+    from hsr.models.llvmpipe.driver import predict
+
+    (example,) = [block for block in blocks("py") if "def test_my_renderer" in block]
+    (pytester.path / "scene.toml").write_text(blocks("toml")[0], encoding="utf-8")
+    view = hsr.view(hsr.load(pytester.path / "scene.toml"), (512, 512))
+    first = np.searchsorted(view.triangle_face, np.arange(view.faces))  # a triangle of each face
+    ids = np.append(first + 1, 0)[predict(view).face]
+    Image.fromarray(np.stack([0 * ids, 0 * ids, ids], axis=-1).astype(np.uint8)).save(
+        pytester.path / "ids.png"
+    )
+    pytester.makepyfile(test_it=example)
+    pytester.makeini("[pytest]")
+    pytester.runpytest("--hsr-update=new").assert_outcomes(failed=1)  # no baseline yet
+    pytester.runpytest("--hsr-selfcheck").assert_outcomes(passed=1)

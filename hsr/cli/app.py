@@ -37,21 +37,8 @@ app = Typer(
     add_completion=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for verb in (
-    demo,
-    render,
-    compare,
-    diff,
-    diagnose,
-    accept,
-    report,
-    explain,
-    shrink,
-    lesson,
-    gallery,
-    algos,
-    doctor,
-):
+judged = (compare, diff, diagnose, explain, shrink)
+for verb in (demo, render, *judged, accept, report, lesson, gallery, algos, doctor):
     # The sample -1,3 is outside the image, and no unknown option.
     app.command(context_settings={"ignore_unknown_options": verb in (explain, shrink)})(verb)
 for name, verbs in (("scene", scene_app), ("bench", bench_app), ("stability", stability_app)):

@@ -62,7 +62,7 @@ def diagnose(
     """Name the one mistake that makes a picture wrong.
 
     Shifts, flips, and ids that are counted otherwise are found by undoing them. With the view these are found
-    by making them: what a renderer misreads (culling, near and far, the centre of a pixel, the aspect ratio),
+    by making them: what a renderer misreads (culling, near and far, the centre of a pixel),
     its rule for ties, and, up to 500 triangles, the classic mistakes of depth buffers.
 
     Parameters
@@ -141,8 +141,6 @@ def _undone(face: Ints, expected: Ints, view: View | None) -> Iterator[tuple[str
     yield "turned upside down", face[::-1]
     yield "mirrored left to right", face[:, ::-1]
     yield "turned by 180 degrees", face[::-1, ::-1]
-    if face.shape[0] == face.shape[1]:
-        yield "rows and columns swapped", face.T
     for right, down in _shifts(face, expected):
         yield f"shifted by ({right}, {down})", _shifted(face, -right, -down)
     covered = face != BACKGROUND

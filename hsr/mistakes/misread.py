@@ -26,11 +26,6 @@ def moved(view: View, right: float, down: float) -> Ints:
     return drawn(view, clip_from_world=matrix)
 
 
-def stretched(view: View, factor: float) -> Ints:
-    """Make the picture wider."""
-    return drawn(view, clip_from_world=view.clip_from_world * [[factor], [1.0], [1.0], [1.0]])
-
-
 def culled(view: View, side: str) -> Ints:
     """Cull the same side of every object."""
     return drawn(view, placements=tuple(replace(one, cull=CULL[side]) for one in view.placements))
@@ -52,8 +47,6 @@ MISREAD: dict[str, Callable[[View], Ints]] = {
     "nothing culled": lambda view: culled(view, "none"),
     "no near clip": lambda view: drawn(view, near=2.0**-20 * view.near),
     "no far clip": lambda view: drawn(view, far=np.inf),
-    "aspect ratio left out": lambda view: stretched(view, view.width / view.height),
-    "aspect ratio counted twice": lambda view: stretched(view, view.height / view.width),
     "ties to the bottom and left": lambda view: tied(view, 1, -1),
     "ties to the top and right": lambda view: tied(view, -1, 1),
     "ties to the bottom and right": lambda view: tied(view, -1, -1),

@@ -61,9 +61,10 @@ def modelled(map: VisibilityMap, model: str, **parameters: Any) -> VisibilityMap
     model : str
         ``"exact"``, ``"opengl"``, ``"float32"``, ``"float64"``, or a method that has models.
     **parameters
-        What the renderer has chosen in another way than the model: ``subpixel_bits`` (4, 8 or 12, the grid
-        of corners), ``depth_format`` (``"d16"``, ``"d24"``, ``"d32f"``, ...), ``fill_rule`` (who owns a
-        sample on an edge: ``"top-left"`` or ``"bottom-left"``). Those that are None are left out.
+        What the renderer has chosen in another way than the model: ``depth_format`` (``"d16"``, ``"d24"``,
+        ``"d32f"``, ...); with float32 and float64 also ``subpixel_bits`` (4, 8 or 12, the grid of corners)
+        and ``fill_rule`` (who owns a sample on an edge: ``"top-left"`` or ``"bottom-left"``). Those that are
+        None are left out.
 
     Returns
     -------

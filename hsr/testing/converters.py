@@ -4,8 +4,8 @@ Other renderers number triangles, in the order in which they were given them. Wi
 takes them to be ``view.tessellated().triangles`` and returns the faces they belong to, named as the view
 names them; without, the numbers are the faces. Without ``depth`` a map tells no depths.
 
-A map is called after its renderer. Give it the name of a method (``method="opengl"``, ``"embree"``) to
-have its wrong samples put down to causes by the models of that method.
+A map is called after its renderer. Its wrong samples are put down to causes by a model of it: the one that
+is told, ``model="float32", subpixel_bits=4`` (see :func:`hsr.testing.modelled`), or else one that is found.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from PIL import Image
 
 from hsr.base.arrays import Array, Ints
 from hsr.base.errors import MapError
+from hsr.models.foreign import modelled
 from hsr.problem.map import BACKGROUND, NO_DEPTH, Admissible, VisibilityMap
 from hsr.problem.view import View
 
@@ -39,6 +40,7 @@ def from_ids(
     bottom_up: bool = False,
     depth: Array | None = None,
     method: str = "ids",
+    **model: Any,
 ) -> VisibilityMap:
     """Make a map from an array of triangle numbers.
 
@@ -57,6 +59,8 @@ def from_ids(
         Along the view axis, in scene units, with rows in the order of ``ids``.
     method : str
         What to call the renderer.
+    **model
+        ``model`` and its parameters, as for :func:`hsr.testing.modelled`.
 
     Returns
     -------
@@ -92,7 +96,8 @@ def from_ids(
     face = _faces(number, covered, view, method)
     notes = {"depth_format": NO_DEPTH} if depth is None else {}
     told: dict[str, Any] = {} if view is None else {"manifest": view.manifest, "hashes": view.hashes}
-    return VisibilityMap(face, np.where(covered, depths, np.inf), method, notes=notes, **told)
+    shown = VisibilityMap(face, np.where(covered, depths, np.inf), method, notes=notes, **told)
+    return modelled(shown, **model) if model else shown
 
 
 def _faces(number: Array, covered: Array, view: View | None, method: str) -> Ints:
@@ -125,7 +130,13 @@ def _numbers(colours: Array) -> Array:
 
 
 def from_png(
-    path: str | Path, view: View | None = None, *, background: int = 0, first: int = 1, method: str = "png"
+    path: str | Path,
+    view: View | None = None,
+    *,
+    background: int = 0,
+    first: int = 1,
+    method: str = "png",
+    **model: Any,
 ) -> VisibilityMap:
     """Read a PNG whose 24-bit colours are ids: ``red * 65536 + green * 256 + blue``.
 
@@ -133,7 +144,7 @@ def from_png(
     ----------
     path : str or Path
         Of 8 bits a channel, RGB, or RGBA with no transparent pixel; row 0 is the top row.
-    view, background, first, method
+    view, background, first, method, **model
         As for :func:`from_ids`; by default black is the background and 1 the first triangle.
 
     Returns
@@ -152,17 +163,19 @@ def from_png(
         raise MapError(f"{path}: not a picture that can be read ({error})") from error
     if kind != "PNG" or mode not in ("RGB", "RGBA") or (mode == "RGBA" and (pixels[..., 3] != 255).any()):
         raise MapError(f"{path}: ids need a PNG of opaque 8-bit RGB, not {kind} {mode}")
-    return from_ids(_numbers(pixels), view, background=background, first=first, method=method)
+    return from_ids(_numbers(pixels), view, background=background, first=first, method=method, **model)
 
 
-def from_nvdiffrast(rast: Array, view: View | None = None, *, method: str = "nvdiffrast") -> VisibilityMap:
+def from_nvdiffrast(
+    rast: Array, view: View | None = None, *, method: str = "nvdiffrast", **model: Any
+) -> VisibilityMap:
     """Take the output of nvdiffrast's ``rasterize``.
 
     Parameters
     ----------
     rast : (1, H, W, 4) or (H, W, 4) float32
         Channel 3 is the triangle's number plus 1, 0 for none; row 0 is the bottom row. On the CPU.
-    view, method
+    view, method, **model
         As for :func:`from_ids`.
 
     Returns
@@ -181,7 +194,7 @@ def from_nvdiffrast(rast: Array, view: View | None = None, *, method: str = "nvd
         raise MapError(f"{method}: rast must be (1, H, W, 4) or (H, W, 4), not {np.shape(rast)}")
     ids = values[..., 3]
     _refuse(ids > EXACT_FLOATS, ids, method, "is beyond 2^24, where float32 counts no longer")
-    return from_ids(ids, view, background=0, first=1, bottom_up=True, method=method)
+    return from_ids(ids, view, background=0, first=1, bottom_up=True, method=method, **model)
 
 
 def from_open3d(
@@ -192,6 +205,7 @@ def from_open3d(
     starts: Sequence[int] = (0,),
     depth: Array | None = None,
     method: str = "open3d",
+    **model: Any,
 ) -> VisibilityMap:
     """Take the output of Open3D's ``RaycastingScene.cast_rays``.
 
@@ -206,7 +220,8 @@ def from_open3d(
         Number of the first triangle of every geometry.
     depth : (H, W) array, optional
         Along the view axis, in scene units.
-    method : str
+    method, **model
+        As for :func:`from_ids`.
 
     Returns
     -------
@@ -222,7 +237,7 @@ def from_open3d(
     geometry = np.zeros_like(ids) if geometry_ids is None else np.asarray(geometry_ids).astype(np.int64)
     _refuse(covered & (geometry >= len(starts)), geometry, method, "is a geometry without a start")
     numbers = np.where(covered, ids + np.asarray(starts)[np.where(covered, geometry, 0)], BACKGROUND)
-    return from_ids(numbers, view, depth=depth, method=method)
+    return from_ids(numbers, view, depth=depth, method=method, **model)
 
 
 def from_pyrender(

@@ -25,7 +25,6 @@ UNDONE: dict[str, Callable[[Ints], Ints]] = {
     "turned upside down": lambda face: face[::-1],
     "mirrored left to right": lambda face: face[:, ::-1],
     "turned by 180 degrees": lambda face: face[::-1, ::-1],
-    "rows and columns swapped": lambda face: face.T,
     "shifted by (1, 0)": lambda face: np.roll(face, 1, axis=1),
     "shifted by (-7, 5)": lambda face: np.roll(face, (5, -7), axis=(0, 1)),
     "ids 1 too high": lambda face: np.where(face >= 0, face + 1, -1),

@@ -151,3 +151,10 @@ def test_a_picture_that_is_none(tmp_path: Path) -> None:
     (tmp_path / "a.png").write_bytes(b"no picture")
     with pytest.raises(MapError, match=r"a\.png: not a picture"):
         from_png(tmp_path / "a.png")
+
+
+def test_a_picture_may_say_what_made_it() -> None:
+    made = from_ids(np.array([[0, 1]]), model="float32", depth_format="d16")
+    assert made.notes["model"] == {"model": "float32", "depth_format": "d16"}
+    with pytest.raises(MapError, match="there is no model 'float31'; did you mean 'float32'"):
+        from_ids(np.array([[0, 1]]), model="float31")
