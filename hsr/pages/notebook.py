@@ -46,7 +46,9 @@ class Report:
         write_whole(path, self.html, "the report")
 
     def _repr_html_(self) -> str:
-        return FRAME.format(self.html, "the inspector of samples")
+        # Addresses within the page are its own, not the notebook's.
+        page = self.html.replace("<head>", '<head><base href="about:srcdoc">', 1)
+        return FRAME.format(page, "the inspector of samples")
 
 
 def report(

@@ -49,10 +49,3 @@ def test_a_history_shows_its_text() -> None:
     view = hsr.view(hsr.load(SCENES / "cube.toml"), (8, 8))
     told = hsr.history(view, 4, 4, [hsr.render(view, "exact")])
     assert html.unescape(told._repr_html_()) == f"<pre>{told}</pre>"
-
-
-def test_a_scene_shows_its_picture_and_its_cameras() -> None:
-    scene = hsr.load(SCENES / "solids.toml")
-    shown = scene._repr_html_()
-    assert decoded(re.findall(r'src="([^"]*)"', shown)[0]).shape == (144, 192, 4)
-    assert scene.title in html.unescape(shown) and all(camera.name in shown for camera in scene.camera)
