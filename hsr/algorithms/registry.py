@@ -10,7 +10,7 @@ from importlib.metadata import entry_points, version
 from importlib.util import find_spec
 from typing import Any
 
-from hsr.base.errors import MethodError
+from hsr.base.errors import MethodError, named, nearest
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View, view
 from hsr.scene.model import Camera, Scene
@@ -97,7 +97,8 @@ class Method:
         known = [option.name for option in fields(defaults)]
         for name in overrides:
             if name not in known:
-                raise MethodError(f"{self.name} has no option {name!r}; it has {', '.join(known) or 'none'}")
+                told = f"{nearest(name, known)}it has {', '.join(known) or 'none'}"
+                raise MethodError(f"{self.name} has no option {name!r}; {told}")
         return defaults(**{**self.settings, **overrides})
 
     def render(self, view: View, **overrides: Any) -> VisibilityMap:
@@ -305,10 +306,7 @@ def method_named(name: str) -> Method:
     MethodError
         If no method has that name.
     """
-    try:
-        return methods()[name]
-    except KeyError:
-        raise MethodError(f"no method is named {name!r}; there are {', '.join(methods())}") from None
+    return named(name, methods(), "no method is named", MethodError)
 
 
 def default_methods() -> list[str]:

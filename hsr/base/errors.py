@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import difflib
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TypeVar
+
+Known = TypeVar("Known")
 
 
 class HsrError(Exception):
@@ -49,3 +53,39 @@ class CheckError(HsrError):
 
 class VisibilityError(HsrError, AssertionError):
     """Maps differ by more than a test allows; the message says by what, where and why."""
+
+
+def nearest(word: object, known: Iterable[str]) -> str:
+    """Return ``did you mean ...? `` if a known word is near, else nothing."""
+    near = difflib.get_close_matches(str(word), known, n=1)
+    return f"did you mean {near[0]!r}? " if near else ""
+
+
+def named(
+    name: str,
+    known: Mapping[str, Known],
+    none: str,
+    error: type[HsrError] = HsrError,
+    others: str = "there are",
+) -> Known:
+    """Return what is known by a name.
+
+    Parameters
+    ----------
+    name : str
+    known : mapping
+    none : str
+        What to say if nothing is: ``"no method is named"``.
+    error : type of HsrError
+        What to raise then, with the name that is near or else all names.
+    others : str
+        What to say before those.
+
+    Raises
+    ------
+    HsrError
+        Of the type ``error``.
+    """
+    if name not in known:
+        raise error(f"{none} {name!r}; {nearest(name, known) or others + ' ' + ', '.join(known)}".rstrip())
+    return known[name]

@@ -28,17 +28,18 @@ from hsr.cli.gallery import gallery
 from hsr.cli.lesson import lesson
 from hsr.cli.render import render
 from hsr.cli.scene import scene_app
+from hsr.cli.scenes import scenes
 from hsr.cli.shrink import shrink
 from hsr.cli.stability import stability_app
 
 app = Typer(
     help="Which surface does the eye see at each pixel? Every classic method, compared sample by sample.",
     pretty_exceptions_enable=False,
-    add_completion=False,
+    rich_markup_mode="markdown",
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 judged = (compare, diff, diagnose, explain, shrink)
-for verb in (demo, render, *judged, accept, report, lesson, gallery, algos, doctor):
+for verb in (demo, render, *judged, accept, report, lesson, gallery, scenes, algos, doctor):
     # The sample -1,3 is outside the image, and no unknown option.
     app.command(context_settings={"ignore_unknown_options": verb in (explain, shrink)})(verb)
 for name, verbs in (("scene", scene_app), ("bench", bench_app), ("stability", stability_app)):

@@ -13,12 +13,16 @@ import hsr
 from hsr.base.errors import HsrError
 from hsr.base.files import write_whole
 from hsr.cli import common as cli
+from hsr.cli.cameras import Cameras, with_cameras
 
 if TYPE_CHECKING:
     from hsr.lab.speed import Case
 
 SCENES = ("teapot", "menger", "solids")
 """The built-in scenes that are measured if none is named: a mesh, a deep one, one with curved shapes."""
+
+LEAST = ("dominated by", "read [ms]", "prepare [ms]", "build [ms]", "rank", "law", "off by up to", "grows as")
+"""Columns that give way where there is no room, in that order."""
 
 BUSY = "Other programs were busy: measure again on a quiet machine before you trust the times."
 
@@ -37,6 +41,7 @@ Quick = Annotated[bool, Option("--quick", help="Small pictures and few turns.")]
 
 
 @bench_app.command()
+@with_cameras
 def run(
     scenes: Annotated[list[Path] | None, Argument(help="Scenes or mesh files.")] = None,
     method: cli.Methods = None,
@@ -47,6 +52,8 @@ def run(
     output: Folder = None,
     as_json: cli.Json = False,
     quiet: cli.Quiet = False,
+    *,
+    cameras: Cameras,
 ) -> None:
     """Judge and time methods on scenes or meshes: speed against error.
 
@@ -54,11 +61,16 @@ def run(
     every peer; '-a all' adds all variants. Those that test each face at each sample sit out scenes that would
     keep them busy for long, unless they are named. A method that is missing or fails keeps a row that says
     why.
+
+    For example:
+
+        hsr bench teapot bunny.obj --size 1024 -o out
+        hsr bench solids -a zbuffer -a opengl --quick
     """
     from hsr.lab.speed import PATIENCE
 
     sizes = [cli.parse_size(text) for text in size or (["128"] if quick else ["512"])]
-    cases = _cases(scenes or _built_in(), sizes, cull or ["scene"])
+    cases = _cases(scenes or list(map(Path, SCENES)), cameras, sizes, cull or ["scene"])
     patience = math.inf if cli.named(method) else PATIENCE
     _measure(cases, method, repeat or (5 if quick else 15), output, as_json, quiet, patience=patience)
 
@@ -72,23 +84,19 @@ def scaling(
     as_json: cli.Json = False,
     quiet: cli.Quiet = False,
 ) -> None:
-    """Measure how times grow with triangles, pixels, layers behind each other, and copies."""
+    """Measure how times grow with triangles, pixels, layers behind each other, and copies.
+
+    For example:
+
+        hsr bench scaling --quick
+    """
     from hsr.lab.scaling import measured_cases
     from hsr.lab.speed import PATIENCE
 
     _measure(measured_cases(quick), method, repeat, output, as_json, quiet, patience=PATIENCE, explain=False)
 
 
-def _built_in() -> list[Path]:
-    from hsr.lab.machine import ROOT
-
-    folder = ROOT / "scenes"
-    if not folder.is_dir():
-        raise HsrError("bench: no scenes are installed with the package; name scene or mesh files")
-    return [folder / f"{name}.toml" for name in SCENES]
-
-
-def _cases(paths: list[Path], sizes: list[tuple[int, int]], culls: list[str]) -> list[Case]:
+def _cases(paths: list[Path], cameras: Cameras, sizes: list[tuple[int, int]], culls: list[str]) -> list[Case]:
     from hsr.lab.speed import make_case
 
     for way in culls:
@@ -98,7 +106,7 @@ def _cases(paths: list[Path], sizes: list[tuple[int, int]], culls: list[str]) ->
     twice = ", ".join(sorted({stem for stem in stems if stems.count(stem) > 1}))
     if twice:
         raise HsrError(f"bench: more than one file is called {twice}; rows would be confused")
-    loaded = [(path.stem, hsr.load(path)) for path in paths]
+    loaded = [pair for path in paths for pair in cameras.scenes(path.stem, hsr.load(path))]
     return [make_case(*named, size, way) for named, size, way in product(loaded, sizes, culls)]
 
 
@@ -124,7 +132,7 @@ def _measure(
         print(found.to_json(), end="")
     else:
         for table in tables(found):
-            cli.print_table(*table)
+            cli.print_table(*table, below=["why"], least=LEAST)
             cli.out.print()
         cli.say(*sentences(growth(found)))
         notes.append(conditions(found))
@@ -144,13 +152,17 @@ def compare(
     fail: Annotated[
         cli.Text, Option(metavar="median:N%", help="Exit 1 if a row is slower by more, beyond the noise.")
     ] = None,
-    output: Annotated[Path | None, cli.output("Write the changes: .csv or .md, by the ending.")] = None,
+    output: Annotated[Path | None, cli.output("Write the changes, .csv or .md.", ".csv", ".md")] = None,
     as_json: cli.Json = False,
     quiet: cli.Quiet = False,
 ) -> None:
     """Compare two runs row by row, with the noise band of every ratio.
 
     More wrong samples always exit with 1, and so do rows without figures any more.
+
+    For example:
+
+        hsr bench compare a.json b.json --fail median:10%
     """
     from dataclasses import asdict
 
@@ -158,9 +170,6 @@ def compare(
     from hsr.lab.results import load_results
 
     limit = regression.LIMIT if fail is None else regression.limit_of(fail)
-    if output is not None and output.suffix not in (".csv", ".md"):
-        raise HsrError(f"{output}: changes are written as .csv or .md")
-    cli.check_folder(output)
     a, b = load_results(before), load_results(after)
     found = regression.changes(a, b, limit)
     table = regression.table(found, f"{after} against {before}")
@@ -168,9 +177,9 @@ def compare(
         text = table.csv() if output.suffix == ".csv" else table.markdown() + "\n"
         write_whole(output, text, "the changes")
     if as_json:
-        cli.print_json({"hsr": 1, "limit": limit, "changes": [asdict(change) for change in found]})
+        cli.print_json("bench-compare", {"limit": limit, "changes": [asdict(one) for one in found]})
     else:
-        cli.print_table(*table)
+        cli.print_table(*table, least=("noise band", "before [ms]", "after [ms]"))
         cli.out.print()
     if not quiet:
         cli.say(*regression.warnings(a, b), to=cli.err)

@@ -6,12 +6,14 @@ Results go to standard output, everything else to standard error.
 from __future__ import annotations
 
 import json
+import os
 import sys
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
+from rich.cells import cell_len
 from rich.console import Console, JustifyMethod
 from rich.markup import escape
 from rich.table import Table
@@ -27,13 +29,23 @@ MAPS = (".npz", ".png")
 ALL = "all"
 """In place of the name of a method: every one there is."""
 
+FORMAT = 1
+"""Of the JSON that verbs print: a number for each way of writing it, from 1."""
+
 DIFFERS, USAGE, MISSING, MISTAKE = 1, 2, 3, 70
 """Exit codes: something differs, usage or input, a method asked for by name is missing, a mistake of ours."""
 
 
-def output(about: str, **more: Any) -> Any:
-    """Return the option of where to write."""
-    return Option("--output", "-o", help=about, **more)
+def output(about: str, *endings: str, name: str = "--output", **more: Any) -> Any:
+    """Return the option of where to write: a folder, or a file with one of these endings."""
+
+    def check(value: Path | None) -> Path | None:
+        if value is not None and endings:
+            check_file(value, *endings)
+        return value
+
+    names = (name, "-o") if name == "--output" else (name,)
+    return Option(*names, help=about, callback=check, **more)
 
 
 Text = str | None
@@ -47,10 +59,9 @@ Quiet = Annotated[bool, Option("--quiet", "-q", help="No progress, no notes.")]
 Verbose = Annotated[bool, Option("--verbose", "-v", help="Also print work counts and clusters.")]
 Methods = Annotated[Texts, Option("--method", "-a", help="Method, repeatable; 'hsr algos' lists them.")]
 Size = Annotated[str, Option(help="Image size in pixels, WxH or N.")]
-CameraName = Annotated[Text, Option(help="Camera; the scene's first by default.")]
 SceneFiles = Annotated[list[Path], Argument(help="Scenes or mesh files.")]
 SceneFile = Annotated[Path, Argument(help="Scene or mesh file.")]
-SceneOutput = Annotated[Path | None, output("Scene to write, .toml; standard output by default.")]
+SceneOutput = Annotated[Path | None, output("Scene to write, .toml; standard output by default.", ".toml")]
 MapFile = Annotated[Path, Argument(help="Map, .npz, or a PNG whose colours are ids, from 1 on.")]
 Against = Annotated[Path, Argument(help="What it should show: another map, or the scene, for the exact one.")]
 Model = Annotated[Text, Option(help="What made the map: exact, opengl, float32, float64 or a method.")]
@@ -111,7 +122,7 @@ def parse_sample(text: str, view: hsr.View) -> tuple[int, int]:
         column, row = int(x), int(y)
     except ValueError:
         raise HsrError(f"sample {text!r}: write COLUMN,ROW, such as 311,204") from None
-    check_sample(view, row, column)
+    check_sample(view, column, row)
     return column, row
 
 
@@ -120,39 +131,87 @@ def read_map(path: Path, view: hsr.View | None = None) -> hsr.VisibilityMap:
     return hsr.testing.from_png(path, view) if path.suffix.lower() == ".png" else hsr.load_map(path)
 
 
-def check_folder(output: Path | None) -> None:
+def check_file(path: Path, *endings: str) -> None:
     """Refuse a file that cannot be written before the work is done, not after.
 
     Raises
     ------
     HsrError
-        If its folder is not there.
+        If it has another ending than what is written, or its folder is not there.
     """
-    if output is not None and not output.parent.is_dir():
-        raise HsrError(f"{output}: there is no folder {output.parent}; make it first")
+    if path.suffix.lower() not in endings:
+        raise HsrError(
+            f"{path}: what is written ends in {' or '.join(endings)}; say {path.with_suffix(endings[0])}"
+        )
+    if not path.parent.is_dir():
+        raise HsrError(f"{path}: there is no folder {path.parent}; make it first")
 
 
 # ---------------------------------------------------------------- what is printed
 
 PIPED_WIDTH = 120
-"""Columns of a table that goes to a file or pipe; a terminal has its own width."""
+"""Columns of a table that goes to a file or pipe; a terminal has its own width, and COLUMNS sets any."""
 
-out = Console(highlight=False, width=None if sys.stdout.isatty() else PIPED_WIDTH)
+READABLE = 28
+"""Columns that a text needs at least, lest it be a word a line."""
+
+out = Console(highlight=False, width=None if sys.stdout.isatty() or "COLUMNS" in os.environ else PIPED_WIDTH)
 err = Console(stderr=True, highlight=False)
 
 
 def print_table(
-    head: Sequence[str], rows: Iterable[Sequence[str]], right: Collection[str] | None = None, title: str = ""
+    head: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    right: Collection[str] | None = None,
+    title: str = "",
+    below: Collection[str] = (),
+    least: Collection[str] = (),
 ) -> None:
-    """Print a plain table; all columns but the first are numbers unless ``right`` names them."""
-    table = Table(title=escape(title) or None, box=None, pad_edge=False, title_justify="left")
+    """Print a plain table of which no cell is cut, however narrow the terminal.
+
+    All columns but the first are numbers unless ``right`` names them; only texts are wrapped. Where it is too
+    wide, the texts of ``below`` go below it, a line a row; then the columns of ``least`` are left out, one by
+    one; and what still does not fit is a table of its own.
+    """
+    lines = [[*cells, *[""] * (len(head) - len(cells))] for cells in rows]
+    column = {name: [cells[k] for cells in lines] for k, name in enumerate(head)}
     numbers = head[1:] if right is None else right
-    for name in head:
-        side: JustifyMethod = "right" if name in numbers else "left"
-        table.add_column(escape(name), justify=side, no_wrap=name in head[:2])
-    for cells in rows:
-        table.add_row(*map(escape, cells), style=None if cells[0] else "dim")
-    out.print(table)
+    label = next(name for name in head if name not in numbers)
+
+    def width(names: Sequence[str]) -> int:
+        longest = [max(map(cell_len, (name, *column[name]))) for name in names]
+        whole = [name in numbers or name == label for name in names]
+        return (
+            sum(n if all_of_it else min(n, READABLE) for n, all_of_it in zip(longest, whole, strict=True))
+            + 2 * len(names)
+            - 2
+        )
+
+    kept = list(head)
+    for name in (*below, *least):
+        if name in kept and width(kept) > out.width:
+            kept.remove(name)
+    parts: list[list[str]] = [[]]
+    for name in kept:
+        if len(parts[-1]) > 1 and width([*parts[-1], name]) > out.width:
+            parts.append([label])
+        parts[-1].append(name)
+    out.print(escape(title), style="italic", end="\n" if title else "")
+    for names in parts:
+        table = Table(box=None, pad_edge=False)
+        for name in names:
+            side: JustifyMethod = "right" if name in numbers else "left"
+            whole = name in numbers or name == label
+            table.add_column(escape(name), justify=side, no_wrap=whole, overflow="fold")
+        for k, cells in enumerate(lines):
+            table.add_row(*(escape(column[name][k]) for name in names), style=None if cells[0] else "dim")
+        out.print(table)
+    gone = [name for name in head if name not in kept]
+    for name in (name for name in gone if name in below):
+        told = zip(column[label], column[name], strict=True)
+        say(*(f"{one.strip()}: {text}" for one, text in told if text), to=out)
+    if left_out := [name for name in gone if name not in below]:
+        out.print(escape(f"Not shown for want of room: {', '.join(left_out)}."), style="dim")
 
 
 def say(*lines: str, to: Console = out) -> None:
@@ -161,15 +220,27 @@ def say(*lines: str, to: Console = out) -> None:
         to.print(line, markup=False, soft_wrap=True)
 
 
-def print_json(value: Any) -> None:
-    """Print JSON to standard output."""
-    print(json.dumps(value, indent=2))
+def print_json(kind: str, value: Mapping[str, Any]) -> None:
+    """Print JSON to standard output; ``hsr schema KIND`` says what it is made of."""
+    print(json.dumps({"format": FORMAT, "kind": kind, **value}, indent=2))
 
 
-def tell(as_json: bool, value: Any, lines: Iterable[str]) -> None:
+def print_list(
+    as_json: bool, kind: str, rows: Sequence[Mapping[str, Any]], least: Sequence[str] = ()
+) -> None:
+    """Print things of one kind as JSON, or else a line each."""
+    if as_json:
+        return print_json(kind, {kind: rows})
+    told = (
+        [("no", "yes")[value] if isinstance(value, bool) else value for value in row.values()] for row in rows
+    )
+    return print_table(list(rows[0]), told, right=(), least=least)
+
+
+def tell(as_json: bool, kind: str, value: Mapping[str, Any], lines: Iterable[str]) -> None:
     """Print JSON, or else lines for people."""
     if as_json:
-        print_json(value)
+        print_json(kind, value)
     else:
         say(*lines)
 

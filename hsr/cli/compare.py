@@ -13,44 +13,52 @@ from typer import BadParameter, Exit, Option
 import hsr
 from hsr.base.errors import HsrError, UnavailableError
 from hsr.cli import common as cli
+from hsr.cli.cameras import Cameras, with_cameras
 
 if TYPE_CHECKING:
     from hsr.difference.study import Study
 
 
+@with_cameras
 def compare(
     scenes: cli.SceneFiles,
     method: cli.Methods = None,
     ref: Annotated[str, Option(help="Reference method.")] = "exact",
     size: cli.Size = "512x512",
-    camera: cli.CameraName = None,
-    output: Annotated[Path | None, cli.output("Write the report, .html.")] = None,
+    output: Annotated[Path | None, cli.output("Write the report, .html.", ".html")] = None,
     fail_on: Annotated[cli.Text, Option(help="Classes of difference, comma separated: then exit 1.")] = None,
     fresh: Annotated[bool, Option("--fresh", help="Compute all anew; take nothing from the store.")] = False,
     as_json: cli.Json = False,
     quiet: cli.Quiet = False,
     verbose: cli.Verbose = False,
+    *,
+    cameras: Cameras,
 ) -> None:
     """Render scenes by many methods and compare every visibility map with the reference.
 
     Without -a the method each family is called after takes part, and every peer; '-a all' adds all
     variants. Those that test each face at each sample sit out scenes that would keep them busy for minutes,
     unless they are named.
+
+    For example:
+
+        hsr compare teapot -o report.html
+        hsr compare bunny.obj --ref opengl -a zbuffer -a raycast
+        hsr compare solids --orbit 8 --fail-on missing,extra
     """
     from hsr.algorithms.ahead import Ahead
     from hsr.base.store import Store
     from hsr.difference.study import study
 
-    cli.check_folder(output)
     forbidden = _classes(fail_on or "")
-    loaded = [(path, hsr.load(path)) for path in scenes]
+    loaded = [pair for path in scenes for pair in cameras.scenes(path.stem, hsr.load(path))]
     asked, names = cli.named(method), cli.names(method)
     store, ahead = Store(fresh=fresh), Ahead(scenes[0], [*names, ref])
     studies = []
     with cli.progress(quiet, len(loaded) * (len({*names, ref}) + (output is not None))) as step:
-        for path, scene in loaded:
-            how = partial(study, name=path.stem, patient=bool(asked), progress=step, store=store, ahead=ahead)
-            studies.append(how(scene, names, ref, cli.parse_size(size), camera))
+        for name, scene in loaded:
+            how = partial(study, name=name, patient=bool(asked), progress=step, store=store, ahead=ahead)
+            studies.append(how(scene, names, ref, cli.parse_size(size)))
         for found in studies:
             # What is missing here and was asked for by name is no mere skipped column.
             for name in found.missing.intersection([*asked, ref]):
@@ -61,7 +69,7 @@ def compare(
             write_report(studies, output, progress=step)
     store.trim()
     if as_json:
-        cli.print_json({"hsr": 1, "studies": [found.to_json() for found in studies]})
+        cli.print_json("compare", {"studies": [found.to_json() for found in studies]})
     else:
         _print(studies, verbose)
         if output is not None:
@@ -87,6 +95,9 @@ def _classes(text: str) -> list[str]:
 
 # ---------------------------------------------------------------- tables
 
+LEAST = ("largest cluster", "depth only", "tie", "extra", "missing", "wrong face", "render")
+"""Columns of a scene that give way where there is no room, in that order."""
+
 
 def _print(studies: Sequence[Study], verbose: bool) -> None:
     """Print one table a scene; of several scenes only their sum, unless more is wanted."""
@@ -95,14 +106,19 @@ def _print(studies: Sequence[Study], verbose: bool) -> None:
             _print_study(found, verbose)
     if len(studies) > 1:
         _print_sum(studies)
+    if any(found.name.endswith(f", {found.camera}") for found in studies):
+        _print_cameras(studies)
 
 
 def _print_study(found: Study, verbose: bool) -> None:
     from hsr.difference.classes import DIFFERENT
+    from hsr.difference.nothing import why_nothing
 
     title = f"{found.name}, {found.view.width}x{found.view.height}, against {found.reference or 'nothing'}"
     head = ("method", "differ", *DIFFERENT, "largest cluster", "render")
-    cli.print_table(head, [_cells(found, name) for name in found.methods], title=title)
+    cli.print_table(head, [_cells(found, name) for name in found.methods], title=title, least=LEAST)
+    if found.maps and all((shown.face < 0).all() for shown in found.maps.values()):
+        cli.say(f"nothing is seen: {why_nothing(found.view, next(iter(found.maps)))}")
     cli.say(*(f"{name}: {_counted(why.counts)}" for name, why in found.causes.items() if why.wrong))
     cli.say(*(f"{name}: {reason}" for name, reason in found.skipped.items()))
     if any(_star([found], name) for name in found.maps):
@@ -143,7 +159,10 @@ def _print_sum(studies: Sequence[Study]) -> None:
     names = dict.fromkeys(name for found in studies for name in found.methods)
     rows = [_sum_cells([found for found in studies if name in found.methods], name) for name in names]
     head = ("method", "scenes", "differ", "share", "most of them in", "causes", "render")
-    cli.print_table(head, rows, title=title)
+    right = [name for name in head[1:] if name != "causes"]
+    cli.print_table(
+        head, rows, right, title, below=["causes"], least=("share", "scenes", "most of them in", "render")
+    )
     if any(found.reference in found.tessellating for found in studies):
         cli.out.print("Methods that keep curved shapes exact rightly differ along the outlines of polygons.")
 
@@ -165,6 +184,24 @@ def _sum_cells(studies: Sequence[Study], name: str) -> tuple[str, ...]:
     most = f"{worst.name} {worst.differences[name].different:,}" if differ else ""
     causes = _counted(causes_of(judged, name))
     return (name, str(len(ran)), f"{differ:,}", f"{differ / samples:.3%}", most, causes, total)
+
+
+def _print_cameras(studies: Sequence[Study]) -> None:
+    """Print one row a scene and camera: the wrong samples of every method that is wrong anywhere."""
+    judged = dict.fromkeys(name for found in studies for name in found.differences)
+    wrong = {
+        name: [
+            f"{found.differences[name].different:,}" if name in found.differences else "-"
+            for found in studies
+        ]
+        for name in judged
+    }
+    names = [name for name in judged if {*wrong[name]} - {"0", "-"}]
+    rows = [(found.name, *(wrong[name][k] for name in names)) for k, found in enumerate(studies)]
+    cli.out.print()
+    cli.print_table(("scene, camera", *names), rows, title="Samples that show another face, by camera")
+    if always := [name for name in judged if name not in names]:
+        cli.say(f"nowhere: {', '.join(always)}")
 
 
 def _counted(counts: Mapping[str, int]) -> str:

@@ -13,6 +13,7 @@ from typer import Argument, Option
 
 import hsr
 from hsr.cli import common as cli
+from hsr.cli.cameras import Cameras, with_cameras
 
 if TYPE_CHECKING:
     from hsr.difference.study import Study
@@ -21,23 +22,30 @@ FIRST = ("exact", "opengl", "embree-packets", "embree")
 """What draws soonest after installation, when nothing is compiled."""
 
 
+@with_cameras
 def demo(
-    scene: Annotated[Path, Argument(help="Scene or mesh file.")] = Path("scenes/solids.toml"),
-    output: Annotated[Path, cli.output("Page to write.")] = Path("hsr-demo.html"),
+    scene: Annotated[Path, Argument(help="Scene or mesh file.")] = Path("solids"),
+    output: Annotated[Path, cli.output("Page to write.", ".html")] = Path("hsr-demo.html"),
     size: cli.Size = "384x384",
     browse: Annotated[bool, Option(help="Open the page in a browser, where there is a desktop.")] = True,
     quiet: cli.Quiet = False,
+    *,
+    cameras: Cameras,
 ) -> None:
     """Show one scene by every method, on a page that opens at once and fills as methods are compiled.
 
     What starts fast comes first. While a method is still to come, the page loads itself again.
+
+    For example:
+
+        hsr demo
+        hsr demo bunny.obj --eye 2,2,4
     """
     from hsr.algorithms.ahead import Ahead
     from hsr.difference.study import study
     from hsr.pages.report import write_report
 
-    cli.check_folder(output)
-    loaded, names = hsr.load(scene), cli.names(None)
+    loaded, names = cameras.one(hsr.load(scene)), cli.names(None)
     names.sort(key=lambda name: FIRST.index(name) if name in FIRST else len(FIRST))
     write_report([], output, pending=names)
     if not quiet:

@@ -9,67 +9,78 @@ import typer
 
 import hsr
 from hsr.cli import common as cli
+from hsr.cli.cameras import Cameras, with_cameras
 
 if TYPE_CHECKING:
     from hsr.testing.judging import Judgement
 
 
+@with_cameras
 def diff(
     map: cli.MapFile,
     against: cli.Against,
-    camera: cli.CameraName = None,
     model: cli.Model = None,
     subpixel_bits: cli.SubpixelBits = None,
     depth_format: cli.DepthFormat = None,
     fill_rule: cli.FillRule = None,
     as_json: cli.Json = False,
     verbose: cli.Verbose = False,
+    *,
+    cameras: Cameras,
 ) -> None:
     """Compare a visibility map with another, or with the truth; exit 1 if any sample shows another face.
 
     Against a scene wrong samples are put down to causes, by the model that is named, else by the one of
     several that explains most. Where one mistake accounts for what differs, it is named: see 'hsr diagnose'.
+
+    For example:
+
+        hsr diff a.npz b.npz
+        hsr diff ids.png teapot --model opengl
     """
     made_by = {"subpixel_bits": subpixel_bits, "depth_format": depth_format, "fill_rule": fill_rule}
-    found = _judged(map, against, camera, model=model, **made_by)
+    found = _judged(map, against, cameras, model=model, **made_by)
     lines = [found.difference.summary(clusters=None if verbose else 5)]
     if found.causes is not None:
         lines += [f"  {count:,} by {cause}" for cause, count in found.counts.items()]
     lines += [f"  {told}" for told in (*found.modelled, *found.diagnoses)]
-    _tell(found, [map, against], found.difference.to_json(), as_json, lines)
+    _tell("diff", found, [map, against], found.difference.to_json(), as_json, lines)
 
 
-def diagnose(
-    map: cli.MapFile, against: cli.Against, camera: cli.CameraName = None, as_json: cli.Json = False
-) -> None:
+@with_cameras
+def diagnose(map: cli.MapFile, against: cli.Against, as_json: cli.Json = False, *, cameras: Cameras) -> None:
     """Name the one mistake that makes a picture wrong; exit 1 if any sample shows another face.
 
     Shifts, flips, and ids counted otherwise; against a scene also inverted culling, other rules for ties, and
     more. The proof is how many samples are right once the mistake is undone.
+
+    For example:
+
+        hsr diagnose ids.png teapot
     """
-    found = _judged(map, against, camera)
+    found = _judged(map, against, cameras)
     none = "nothing differs" if found.difference.same else "no mistake that is known explains it"
     if found.causes is not None and not found.causes.unexplained:
         none = f"rounded as by {', '.join(found.counts)}, no mistake"
-    _tell(found, [map, against], {}, as_json, [*found.diagnoses] or [none])
+    _tell("diagnose", found, [map, against], {}, as_json, [*found.diagnoses] or [none])
 
 
-def _judged(map: Path, against: Path, camera: str | None, **made_by: Any) -> Judgement:
+def _judged(map: Path, against: Path, cameras: Cameras, **made_by: Any) -> Judgement:
     from hsr.testing.judging import Subject, judge
     from hsr.testing.limits import Limits
 
     shown, limits = cli.read_map(map), Limits(**made_by)
     if against.suffix.lower() in cli.MAPS:
         return judge(map.name, shown, cli.read_map(against), limits)
-    view = hsr.view(hsr.load(against), (shown.width, shown.height), camera)
+    view = hsr.view(cameras.one(hsr.load(against)), (shown.width, shown.height))
     return judge(map.name, cli.read_map(map, view), hsr.render(view, "exact"), limits, Subject(view))
 
 
-def _tell(found: Judgement, files: list[Path], more: Any, as_json: bool, lines: list[Any]) -> None:
-    told = {"hsr": 1, "files": [str(file) for file in files], **more, "causes": None, "model": None}
+def _tell(kind: str, found: Judgement, files: list[Path], more: Any, as_json: bool, lines: list[Any]) -> None:
+    told = {"files": [str(file) for file in files], **more, "causes": None, "model": None}
     if found.causes is not None:
         told |= {"causes": found.causes.counts, "model": found.difference.a.notes.get("model")}
     told["diagnoses"] = [one._asdict() for one in found.diagnoses]
-    cli.tell(as_json, told, [str(line) for line in lines])
+    cli.tell(as_json, kind, told, [str(line) for line in lines])
     if not found.difference.same:
         raise typer.Exit(cli.DIFFERS)

@@ -38,9 +38,14 @@ SCENE = {
 
 
 def doctor(as_json: cli.Json = False) -> None:
-    """Try every OpenGL backend and optional library, and say what to install."""
+    """Try every OpenGL backend and optional library, and say what to install.
+
+    For example:
+
+        hsr doctor
+    """
     found = diagnose()
-    cli.tell(as_json, found, lines(found))
+    cli.tell(as_json, "doctor", found, lines(found))
 
 
 def diagnose() -> dict[str, Any]:
@@ -60,7 +65,6 @@ def diagnose() -> dict[str, Any]:
 
     threads = {"processors": os.cpu_count(), "numba": get_num_threads()}
     found = {
-        "hsr": 1,
         "python": platform.python_version(),
         "platform": platform.platform(),
         "packages": {name: version_of(name) for name in PACKAGES},

@@ -12,27 +12,35 @@ from typer import Option
 import hsr
 from hsr.base.errors import UnavailableError
 from hsr.cli import common as cli
+from hsr.cli.cameras import Cameras, with_cameras
 
 
+@with_cameras
 def explain(
     scene: cli.SceneFile,
     sample: cli.Sample,
     method: cli.Methods = None,
     map: Annotated[list[Path] | None, Option(help="Map to explain, .npz, repeatable.")] = None,
     size: cli.Size = "512x512",
-    camera: cli.CameraName = None,
     as_json: cli.Json = False,
+    *,
+    cameras: Cameras,
 ) -> None:
     """Tell what lies on one line of sight, and why each method or map shows what it shows.
 
     Without -a and --map zbuffer, raycast and, where it runs, opengl are asked.
+
+    For example:
+
+        hsr explain solids 319,106
+        hsr explain solids 319,106 -a zbuffer -a opengl --eye 2,2,4
     """
-    view = hsr.view(hsr.load(scene), cli.parse_size(size), camera)
+    view = hsr.view(cameras.one(hsr.load(scene)), cli.parse_size(size))
     column, row = cli.parse_sample(sample, view)
     given = [hsr.load_map(file) for file in map or ()]
     asked = given if given and not method else [*given, *_maps(view, method)]
-    told = hsr.history(view, row, column, asked)
-    cli.tell(as_json, {"hsr": 1, "scene": str(scene), **told.to_json()}, [str(told)])
+    told = hsr.history(view, asked, x=column, y=row)
+    cli.tell(as_json, "explain", {"scene": str(scene), **told.to_json()}, [str(told)])
 
 
 def _maps(view: hsr.View, asked: Sequence[str] | None) -> list[hsr.VisibilityMap]:

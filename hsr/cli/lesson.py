@@ -11,15 +11,25 @@ import hsr
 from hsr.base.errors import HsrError
 from hsr.base.files import make_folder
 from hsr.cli import common as cli
+from hsr.cli.cameras import Cameras, with_cameras
 
 
+@with_cameras
 def lesson(
     topic: Annotated[str | None, typer.Argument(help="What it is about; an unknown one lists all.")] = None,
     scene: Annotated[Path | None, typer.Argument(help="Scene in place of the lesson's own.")] = None,
     output: Annotated[Path | None, cli.output("Page to write, .html; with --all a folder.")] = None,
     course: Annotated[bool, typer.Option("--all", help="All lessons, and a page that lists them.")] = False,
+    *,
+    cameras: Cameras,
 ) -> None:
-    """Write a lesson: the real algorithm on a small picture, step by step, as one HTML page."""
+    """Write a lesson: the real algorithm on a small picture, step by step, as one HTML page.
+
+    For example:
+
+        hsr lesson depth-buffer -o lesson.html
+        hsr lesson --all -o course
+    """
     from hsr.lessons.topics import topic_named, topics
     from hsr.pages.lesson import write_course, write_lesson
 
@@ -31,6 +41,6 @@ def lesson(
         write_course(topics(), make_folder(output))
     else:
         chosen = topic_named(topic)
-        cli.check_folder(output)
-        write_lesson(chosen, output, None if scene is None else hsr.load(scene))
+        cli.check_file(output, ".html")
+        write_lesson(chosen, output, None if scene is None else cameras.one(hsr.load(scene)))
     cli.say(f"wrote {output}")

@@ -2,55 +2,66 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import product
 from pathlib import Path
 from typing import Annotated, Any
 
-from typer import Argument, Option
+from typer import Argument
 
 import hsr
 from hsr.cli import common as cli
+from hsr.cli.cameras import Cameras, with_cameras
 
 
+@with_cameras
 def render(
     scene: Annotated[Path, Argument(help="Scene (TOML, JSON) or mesh file.")],
     method: cli.Methods = None,
     size: cli.Size = "512x512",
-    camera: cli.CameraName = None,
-    output: Annotated[Path | None, cli.output("Write the map, .npz.")] = None,
-    png: Annotated[Path | None, Option(help="Write the shaded picture.")] = None,
+    output: Annotated[Path | None, cli.output("Write the map, .npz.", ".npz")] = None,
+    png: Annotated[Path | None, cli.output("Write the shaded picture, .png.", ".png", name="--png")] = None,
     as_json: cli.Json = False,
     quiet: cli.Quiet = False,
     verbose: cli.Verbose = False,
+    *,
+    cameras: Cameras,
 ) -> None:
     """Render one scene and say what is seen.
 
-    With several methods the files are named after them: map.npz becomes map.zbuffer.npz.
+    With several methods or cameras the files are named after them: map.npz becomes map.zbuffer.npz.
+
+    For example:
+
+        hsr render teapot --png teapot.png
+        hsr render bunny.obj -a zbuffer -a raycast --eye 2,2,4 -o map.npz
+        hsr render solids --orbit 8 --parallel 4 --png around.png --size 640x480
     """
     from hsr.algorithms.registry import method_named
+    from hsr.difference.nothing import why_nothing
 
-    cli.check_folder(output)
-    cli.check_folder(png)
-    view = hsr.view(hsr.load(scene), cli.parse_size(size), camera)
-    names = method or ["zbuffer"]
+    names, seen = method or ["zbuffer"], cameras.scenes("", hsr.load(scene))
+    views = [(one.camera[0].name, hsr.view(one, cli.parse_size(size))) for _, one in seen]
     rows = []
-    with cli.progress(quiet, len(names)) as step:
-        for name in names:
+    with cli.progress(quiet, len(names) * len(views)) as step:
+        for (camera, view), name in product(views, names):
             step(name)
             method_named(name).warm_up(view)
             answer = hsr.render(view, name)
-            files = list(_written(view, answer, output, png, several=len(names) > 1))
-            rows.append(_summary(answer) | {"files": files})
+            parts = [camera.replace("/", "-")] * (len(views) > 1) + [name] * (len(names) > 1)
+            files = [str(file) for file in _written(view, answer, output, png, parts)]
+            nothing = why_nothing(view, name) if (answer.face < 0).all() else None
+            rows.append({"camera": camera, **_summary(answer), "nothing": nothing, "files": files})
     if as_json:
-        cli.print_json({"hsr": 1, "scene": str(scene), "maps": rows})
+        cli.print_json("render", {"scene": str(scene), "maps": rows})
     else:
         _print(rows, verbose)
 
 
 def _written(
-    view: hsr.View, answer: hsr.VisibilityMap, output: Path | None, png: Path | None, several: bool
-) -> Iterator[str]:
-    """Write what was asked for; of several methods each file carries its method's name."""
+    view: hsr.View, answer: hsr.VisibilityMap, output: Path | None, png: Path | None, parts: Sequence[str]
+) -> Iterator[Path]:
+    """Write what was asked for, with these parts in the names of the files."""
 
     def save_shaded(path: Path) -> None:
         from hsr.pages.shading import shade
@@ -60,9 +71,9 @@ def _written(
 
     for path, write in ((output, answer.save), (png, save_shaded)):
         if path is not None:
-            named = path.with_name(f"{path.stem}.{answer.method}{path.suffix}") if several else path
+            named = path.with_name(".".join([path.stem, *parts]) + path.suffix)
             write(named)
-            yield str(named)
+            yield named
 
 
 def _summary(answer: hsr.VisibilityMap) -> dict[str, Any]:
@@ -84,8 +95,16 @@ def _cells(row: dict[str, Any]) -> tuple[str, ...]:
 
 def _print(rows: list[dict[str, Any]], verbose: bool) -> None:
     """Print one row a map, and what was written."""
-    cli.print_table(("method", "covered", "faces seen", "nearest", "render"), map(_cells, rows))
+    head: tuple[str, ...] = ("method", "covered", "faces seen", "nearest", "render")
+    cells = list(map(_cells, rows))
+    if len({row["camera"] for row in rows}) > 1:
+        head, cells = (
+            ("camera", *head),
+            [(row["camera"], *texts) for row, texts in zip(rows, cells, strict=True)],
+        )
+    cli.print_table(head, cells, right=head[-4:], least=("nearest", "faces seen"))
     for row in rows:
         work = ", ".join(f"{name} {count:,}" for name, count in row["work"].items())
         told = [f"{row['method']}: {work}"] if verbose else []
+        told += [f"nothing is seen by {row['camera']}: {row['nothing']}"] if row["nothing"] else []
         cli.say(*told, *(f"wrote {file}" for file in row["files"]))

@@ -21,7 +21,12 @@ scene_app = Typer(help="Check and describe scene files.", no_args_is_help=True)
 
 @scene_app.command()
 def check(files: Files, as_json: cli.Json = False, quiet: cli.Quiet = False) -> None:
-    """Check scene files; all errors of all files at once, exit 2 if there are any."""
+    """Check scene files; all errors of all files at once, exit 2 if there are any.
+
+    For example:
+
+        hsr scene check my.toml teapot
+    """
     problems: dict[str, list[str]] = {}
     for file in files:
         problems[str(file)] = []
@@ -30,23 +35,33 @@ def check(files: Files, as_json: cli.Json = False, quiet: cli.Quiet = False) -> 
         except SceneError as error:
             problems[str(file)] += error.problems
     lines = ("\n".join(found) or f"{name}: ok" for name, found in problems.items())
-    cli.tell(as_json, {"hsr": 1, "problems": problems}, () if quiet else lines)
+    cli.tell(as_json, "scene-check", {"problems": problems}, () if quiet else lines)
     if any(problems.values()):
         raise Exit(cli.USAGE)
 
 
 @scene_app.command()
 def info(file: cli.SceneFile, size: cli.Size = "512x512", as_json: cli.Json = False) -> None:
-    """Say what is in a scene: objects, faces, bounds, cameras, where culling would be lossless."""
+    """Say what is in a scene: objects, faces, bounds, cameras, where culling would be lossless.
+
+    For example:
+
+        hsr scene info solids
+    """
     from hsr.scene.info import describe, lines
 
     found = describe(hsr.load(file), cli.parse_size(size))
-    cli.tell(as_json, found, lines(found))
+    cli.tell(as_json, "scene-info", found, lines(found))
 
 
 @scene_app.command()
 def schema(file: SchemaFile = None) -> None:
-    """Print the JSON Schema of scene files, for editors."""
+    """Print the JSON Schema of scene files, for editors.
+
+    For example:
+
+        hsr scene schema schema.json
+    """
     from hsr.scene.info import schema as scene_schema
 
     text = json.dumps(scene_schema(), indent=2)

@@ -8,8 +8,10 @@ import typer
 
 import hsr
 from hsr.cli import common as cli
+from hsr.cli.cameras import Cameras, with_cameras
 
 
+@with_cameras
 def shrink(
     scene: cli.SceneFile,
     sample: cli.Sample,
@@ -17,21 +19,28 @@ def shrink(
     b: Annotated[str, typer.Option("-b", help="The other.")],
     output: cli.SceneOutput = None,
     size: cli.Size = "512x512",
-    camera: cli.CameraName = None,
     as_json: cli.Json = False,
+    *,
+    cameras: Cameras,
 ) -> None:
-    """Find the smallest scene in which two methods still disagree at a sample."""
+    """Find the smallest scene in which two methods still disagree at a sample.
+
+    For example:
+
+        hsr shrink solids 221,320 -a opengl -b zbuffer -o small.toml
+    """
     from hsr.difference.shrink import shrink as smallest
     from hsr.scene.writing import to_toml, write_scene
 
-    loaded = hsr.load(scene)
-    column, row = cli.parse_sample(sample, hsr.view(loaded, cli.parse_size(size), camera))
-    found = smallest(loaded, row, column, a, b, cli.parse_size(size), camera)
+    loaded = cameras.one(hsr.load(scene))
+    column, row = cli.parse_sample(sample, hsr.view(loaded, cli.parse_size(size)))
+    found = smallest(loaded, a, b, cli.parse_size(size), x=column, y=row)
     if output is not None:
         write_scene(found.scene, output)
     if as_json:
         facts = {"faces": len(found.faces), "shown": dict(zip((a, b), found.shown, strict=True))}
-        cli.print_json({"hsr": 1, "sample": [column, row], **facts, "scene": to_toml(found.scene)})
+        sample_at = {"x": column, "y": row}
+        cli.print_json("shrink", {"sample": sample_at, **facts, "scene": to_toml(found.scene)})
     elif output is None:
         print(to_toml(found.scene), end="")
     else:

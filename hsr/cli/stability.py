@@ -26,15 +26,27 @@ def run(
     ] = None,
     output: Annotated[Path | None, cli.output("Folder for a page, charts and figures.")] = None,
     quick: Annotated[bool, Option("--quick", help="Small pictures, short sweeps: a minute.")] = False,
+    only_list: Annotated[bool, Option("--list", help="Say which families there are, and run none.")] = False,
     as_json: cli.Json = False,
     quiet: cli.Quiet = False,
 ) -> None:
-    """Judge methods on families of hard cases; exit 1 if any row contradicts its theory."""
+    """Judge methods on families of hard cases; exit 1 if any row contradicts its theory.
+
+    For example:
+
+        hsr stability --list
+        hsr stability cyclic-overlap -o hard
+    """
     from hsr.lab.stability.cases import families, family_named
     from hsr.lab.stability.judge import contradictions, judge
     from hsr.lab.stability.summary import closing, table
 
     chosen = [family_named(name) for name in dict.fromkeys(family or families())]
+    if only_list:
+        keys = ("name", "group", "parameter")
+        found = [{key: getattr(one, key) for key in keys} for one in chosen]
+        cli.print_list(as_json, "families", found, least=["group"])
+        raise Exit
     asked = {this.name: [name for name in method or () if this.knows(name)] for this in chosen}
     for name in method or ():
         if not any(name in names for names in asked.values()):
@@ -49,9 +61,11 @@ def run(
 
         write_folder(results, output)
     if as_json:
-        cli.print_json({"hsr": 1, "families": [result.to_json() for result in results]})
+        cli.print_json("stability", {"families": [result.to_json() for result in results]})
     else:
-        cli.print_table(*table(results))
+        cli.print_table(
+            *table(results), least=("mostly by", "unexplained of traced", "predicted", "measured")
+        )
         cli.say(*closing(results))
         if output is not None:
             cli.say(f"report: {output / 'index.html'}")
@@ -62,15 +76,21 @@ def run(
 @stability_app.command()
 def scene(
     family: Annotated[str, Argument(help="Family.")],
-    at: Annotated[float, Option(help="Value of its parameter.")],
+    at: Annotated[float | None, Option(help="Value of its parameter; the hardest of its sweep.")] = None,
     output: cli.SceneOutput = None,
     side: Annotated[int, Option(min=8, max=1024, help="Side of the picture, in samples.")] = 64,
 ) -> None:
-    """Write the scene of a family at a value of its parameter, for every other command."""
+    """Write the scene of a family at a value of its parameter, for every other command.
+
+    For example:
+
+        hsr stability scene needle --at 0.125 -o needle.toml
+    """
     from hsr.lab.stability.cases import family_named
     from hsr.scene.writing import to_toml, write_scene
 
     chosen = family_named(family)
+    at = chosen.sweep[-1] if at is None else at
     found = chosen.scene_at(at, side)
     if output is None:
         print(to_toml(found), end="")

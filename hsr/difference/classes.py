@@ -222,7 +222,7 @@ class Difference:
         >>> theirs = from_ids(np.array([[0, 0, 1], [0, 1, 1]]), method="theirs")
         >>> print(hsr.compare(mine, theirs).summary())
         mine vs theirs  3x2  1 differ (1 wrong face), largest cluster 1, 0 off by one pixel
-          1 wrong face  row 1, column 1  shows unknown face 2, expected unknown face 1
+          1 wrong face  column 1, row 1  shows unknown face 2, expected unknown face 1
         """
         named = self.clusters[:clusters]
         lines = [self._headline(), *(f"  {self.describe(cluster)}" for cluster in named)]
@@ -266,7 +266,7 @@ class Difference:
     def describe(self, cluster: Cluster) -> str:
         """Say in one line where a cluster is and which faces are concerned."""
         row0, column0, row1, column1 = cluster.box
-        where = f"{span('row', row0, row1)}, {span('column', column0, column1)}"
+        where = f"{span('column', column0, column1)}, {span('row', row0, row1)}"
         faces = f"shows {self.a.name_of(cluster.shown)}, expected {self.b.name_of(cluster.expected)}"
         return f"{cluster.size} {cluster.kind.label}  {where}  {faces}"
 
@@ -285,19 +285,24 @@ class Difference:
             "cluster_count": len(self.clusters),
             "largest_cluster": self.largest,
             "clusters": [self._cluster_json(cluster) for cluster in self.clusters[:LISTED_JSON]],
-            "depth": self.depth._asdict() | {"where": self.depth.where and list(self.depth.where)},
+            "depth": self.depth._asdict() | {"where": self.depth.where and _at(*self.depth.where)},
             "truth": verdict and verdict._asdict(),
         }
 
     def _cluster_json(self, cluster: Cluster) -> dict[str, Any]:
+        row0, column0, row1, column1 = cluster.box
         return {
             "size": cluster.size,
             "class": cluster.kind.label,
-            "box": list(cluster.box),
-            "sample": list(cluster.sample),
+            "box": {"x": [column0, column1], "y": [row0, row1]},
+            "sample": _at(*cluster.sample),
             "shown": self.a.name_of(cluster.shown),
             "expected": self.b.name_of(cluster.expected),
         }
+
+
+def _at(row: int, column: int) -> dict[str, int]:
+    return {"x": column, "y": row}
 
 
 def span(what: str, start: int, stop: int) -> str:

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from markupsafe import Markup
 
+from hsr.base.deprecated import sample_by_name
 from hsr.base.errors import MapError
 from hsr.difference.cause import Causes, causes_at
 from hsr.difference.nearby import check_sample, faces_nearby
@@ -166,7 +167,7 @@ class History:
     def to_json(self) -> dict[str, Any]:
         """Return all of it as JSON values."""
         return {
-            "sample": [self.column, self.row],
+            "sample": {"x": self.column, "y": self.row},
             "size": list(self.size),
             "owner": self.owner,
             "admissible": list(self.admissible.values()),
@@ -236,19 +237,22 @@ def _edges(entry: Entry) -> str:
 # ---------------------------------------------------------------- telling histories
 
 
-def history(view: View, row: int, column: int, maps: Sequence[VisibilityMap], known: Known = None) -> History:
+@sample_by_name
+def history(
+    view: View, maps: Sequence[VisibilityMap] = (), known: Known = None, *, x: int, y: int
+) -> History:
     """Tell what lies on the line of sight of a sample, and what methods made of it.
 
     Parameters
     ----------
     view : View
-    row, column : int
-        Row 0 is the top row.
     maps : sequence of VisibilityMap
         Of this view, by the methods they name with their options as registered.
     known : mapping of str to Causes, optional
         Causes of all wrong samples, by method, where they have been found already; others are
         looked for at this sample alone.
+    x, y : int
+        Column and row of the sample, counted from 0 at the top left.
 
     Returns
     -------
@@ -265,14 +269,14 @@ def history(view: View, row: int, column: int, maps: Sequence[VisibilityMap], kn
     --------
     >>> import hsr
     >>> view = hsr.view(hsr.load("scenes/cyclic.toml"), size=(12, 9))
-    >>> told = hsr.history(view, 2, 5, [hsr.render(view, "painter")])
+    >>> told = hsr.history(view, [hsr.render(view, "painter")], x=5, y=2)
     >>> [(entry.name, round(float(entry.layer.depth), 2)) for entry in told.entries if entry.layer.covered]
     [('third.front', 5.64), ('third.back', 5.84), ('second.front', 6.16), ('second.back', 6.37)]
     >>> print(told.stories[0].sentence.split("; ")[0])
     painter shows second.front because it paints without comparing depths (no depth test)
     """
-    check_sample(view, row, column)
-    sample = row * view.width + column
+    check_sample(view, x, y)
+    sample = y * view.width + x
     return Historian(view, [sample], maps, known).tell(sample)
 
 

@@ -81,11 +81,11 @@ def faces_nearby(view: View, samples: Array) -> Nearby:
     return Nearby(samples, left, np.concatenate(origin), sample[order], face[order].astype(np.int32))
 
 
-def check_sample(view: View, row: int, column: int) -> None:
-    """Raise :class:`hsr.base.errors.ViewError` if there is no such sample; row 0 is the top row."""
-    if not (0 <= row < view.height and 0 <= column < view.width):
+def check_sample(view: View, x: int, y: int) -> None:
+    """Raise :class:`hsr.base.errors.ViewError` if there is no such sample; row y = 0 is the top row."""
+    if not (0 <= y < view.height and 0 <= x < view.width):
         size = f"{view.width}x{view.height}"
-        raise ViewError(f"no sample at column {column}, row {row}: the image is {size}, counted from 0")
+        raise ViewError(f"no sample at column {x}, row {y}: the image is {size}, counted from 0")
 
 
 def _shape_near(view: View, placement: Placement, samples: Array) -> tuple[Shape, Ints, Array, Array]:

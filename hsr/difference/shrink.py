@@ -17,6 +17,7 @@ import numpy as np
 
 from hsr.algorithms.registry import render
 from hsr.base.arrays import Floats, Ints
+from hsr.base.deprecated import sample_by_name
 from hsr.base.errors import MethodError
 from hsr.difference.nearby import check_sample, faces_nearby
 from hsr.problem.map import BACKGROUND, name_in
@@ -55,8 +56,9 @@ class Shrunk(NamedTuple):
     shown: tuple[str, str]
 
 
+@sample_by_name
 def shrink(
-    scene: Scene, row: int, column: int, a: str, b: str, size: Size = (512, 512), camera: str | None = None
+    scene: Scene, a: str, b: str, size: Size = (512, 512), camera: str | None = None, *, x: int, y: int
 ) -> Shrunk:
     """Find a smallest scene in which two methods still disagree at a sample, and by the same faces.
 
@@ -66,14 +68,14 @@ def shrink(
     Parameters
     ----------
     scene : Scene
-    row, column : int
-        Row 0 is the top row.
     a, b : str
         Names that ``hsr algos`` lists.
     size : (width, height)
         In pixels; kept.
     camera : str, optional
         Name of the camera, the scene's first by default; kept.
+    x, y : int
+        Column and row of the sample, counted from 0 at the top left.
 
     Returns
     -------
@@ -89,15 +91,15 @@ def shrink(
         If a method needs what this machine lacks.
     """
     whole = view(scene, size, camera)
-    check_sample(whole, row, column)
+    check_sample(whole, x, y)
     seen_by = next(one for one in scene.camera if camera in (None, one.name))
-    bench = _Bench(scene.model_copy(update={"camera": (seen_by,)}), whole, (row, column), (a, b))
-    sample = np.array([row * whole.width + column])
+    bench = _Bench(scene.model_copy(update={"camera": (seen_by,)}), whole, (y, x), (a, b))
+    sample = np.array([y * whole.width + x])
     nearby, everything = faces_nearby(whole, sample).origin, np.arange(whole.faces, dtype=np.int32)
     shown = bench.shown(whole, everything)
     if shown[0] == shown[1]:
         name = name_in(whole.manifest, shown[0])
-        raise MethodError(f"{a} and {b} agree at column {column}, row {row}: both show {name}")
+        raise MethodError(f"{a} and {b} agree at column {x}, row {y}: both show {name}")
 
     def as_before(parts: Sequence[Part]) -> bool:
         small, origin = bench.scene_of(parts)

@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hsr.base.arrays import Array, Bools, ranges
+from hsr.base.deprecated import sample_by_name
 from hsr.difference.nearby import REACH, Nearby, check_sample, faces_nearby
 from hsr.exact.decide import Form, Piece
 from hsr.exact.depths import depth_quotient
@@ -105,14 +106,15 @@ class Sightline:
         return {layer.face: layer for layer in reversed(seen)}
 
 
-def sightline(view: View, row: int, column: int) -> Sightline:
+@sample_by_name
+def sightline(view: View, *, x: int, y: int) -> Sightline:
     """Look along the line of sight of a sample.
 
     Parameters
     ----------
     view : View
-    row, column : int
-        Row 0 is the top row.
+    x, y : int
+        Column and row of the sample, counted from 0 at the top left.
 
     Returns
     -------
@@ -123,8 +125,8 @@ def sightline(view: View, row: int, column: int) -> Sightline:
     ViewError
         If there is no such sample, or the view has no exact answer.
     """
-    check_sample(view, row, column)
-    sample = row * view.width + column
+    check_sample(view, x, y)
+    sample = y * view.width + x
     return sightlines(faces_nearby(view, np.array([sample])))[sample]
 
 

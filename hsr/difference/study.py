@@ -86,7 +86,6 @@ class Study:
     def to_json(self) -> dict[str, Any]:
         """Return the study as JSON values, without the maps themselves."""
         return {
-            "hsr": 1,
             "name": self.name,
             "title": self.scene.title,
             "camera": self.camera,

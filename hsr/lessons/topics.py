@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from hsr.base.errors import HsrError
+from hsr.base.errors import named
 
 
 class Part(BaseModel):
@@ -144,7 +144,4 @@ def topic_named(name: str) -> Topic:
     HsrError
         If there is no such topic.
     """
-    known = topics()
-    if name not in known:
-        raise HsrError(f"no lesson is about {name!r}; there are {', '.join(known)}")
-    return known[name]
+    return named(name, topics(), "no lesson is about")

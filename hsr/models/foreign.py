@@ -18,9 +18,8 @@ from dataclasses import replace
 from typing import Any
 
 from hsr.algorithms.registry import Method, methods
-from hsr.base.errors import MapError
+from hsr.base.errors import MapError, nearest
 from hsr.problem.map import VisibilityMap
-from hsr.scene.validation import nearest
 
 MODEL = "model"
 """The note of a map that says by which model it was made, and with which parameters."""

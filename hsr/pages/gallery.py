@@ -22,7 +22,8 @@ from hsr.pictures.maps import depth_picture, face_picture
 from hsr.pictures.palette import CLASS_COLOURS
 from hsr.pictures.png import save_picture
 from hsr.problem.view import view
-from hsr.scene.model import MatrixCamera, Scene
+from hsr.scene.fitting import turned
+from hsr.scene.model import Scene
 
 TURN = 36
 """Pictures of a full turn."""
@@ -98,22 +99,12 @@ def turntable(scene: Scene) -> bytes:
     HsrError
         If its first camera is given by a matrix.
     """
-    views = (view(turned(scene, 2.0 * np.pi * k / TURN), (SIDE, SIDE)) for k in range(TURN))
+    cameras = (turned(scene.camera[0], 2.0 * np.pi * k / TURN) for k in range(TURN))
+    views = (view(scene, (SIDE, SIDE), camera) for camera in cameras)
     first, *others = (Image.fromarray(shade(render(seen, "raycast"), seen)) for seen in views)
     file = BytesIO()
     first.save(file, "WEBP", save_all=True, append_images=others, duration=PAUSE, loop=0, lossless=True)
     return file.getvalue()
-
-
-def turned(scene: Scene, angle: float) -> Scene:
-    """Return a scene whose first camera has walked by an angle, in radians, around its target."""
-    camera = scene.camera[0]
-    if isinstance(camera, MatrixCamera):
-        raise HsrError(f"camera {camera.name!r} is a matrix; only one with an eye and a target can turn")
-    x, y, z = np.subtract(camera.eye, camera.target)
-    c, s = np.cos(angle), np.sin(angle)
-    eye = tuple(map(float, np.add(camera.target, (c * x + s * z, y, c * z - s * x))))
-    return scene.model_copy(update={"camera": (camera.model_copy(update={"eye": eye}),)})
 
 
 # ---------------------------------------------------------------- the overview

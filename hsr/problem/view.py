@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hsr.base.arrays import Floats, Ints
-from hsr.base.errors import ViewError
+from hsr.base.errors import ViewError, named
 from hsr.problem.geometry import CULL, Geometry, Placement, WorldPolygons, digest_of, geometry_of
 from hsr.scene.camera import named_projection
 from hsr.scene.files import load
@@ -222,7 +222,7 @@ def view(scene: Scene, size: tuple[int, int] = (512, 512), camera: str | Camera 
     True
     """
     width, height = _checked_size(size)
-    seen_by = _camera_named(scene, camera) if camera is None or isinstance(camera, str) else camera
+    seen_by = camera_named(scene, camera) if camera is None or isinstance(camera, str) else camera
     projection, geometry = named_projection(seen_by, width / height), geometry_of(scene)
     if projection.mirrored:
         geometry = geometry.mirror_image
@@ -239,9 +239,19 @@ def _checked_size(size: Sequence[int]) -> tuple[int, int]:
     return width, height
 
 
-def _camera_named(scene: Scene, name: str | None) -> Camera:
-    for camera in scene.camera:
-        if name is None or camera.name == name:
-            return camera
-    names = ", ".join(camera.name for camera in scene.camera)
-    raise ViewError(f"no camera is named {name!r}; the scene has {names}")
+def camera_named(scene: Scene, name: str | None = None) -> Camera:
+    """Return a camera of a scene, its first without a name.
+
+    Raises
+    ------
+    ViewError
+        If there is none.
+    """
+    if not scene.camera:
+        raise ViewError("the scene has no camera; give one: camera=hsr.Perspective(eye=(2, 2, 4))")
+    cameras = {camera.name: camera for camera in scene.camera}
+    return (
+        scene.camera[0]
+        if name is None
+        else named(name, cameras, "no camera is named", ViewError, "the scene has")
+    )

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
-import math
 import tomllib
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from difflib import get_close_matches
 from functools import lru_cache
+from itertools import product
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -15,28 +16,20 @@ import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from hsr.base.arrays import Floats
-from hsr.base.errors import HsrError, SceneError
+from hsr.base.errors import HsrError, SceneError, named
 from hsr.scene.camera import projection_of
+from hsr.scene.fitting import Ball, ball_around, fitted
 from hsr.scene.gltf import Document, unique
 from hsr.scene.meshes import Faces, mesh_shape, read_faces
-from hsr.scene.model import Ambient, Camera, Directional, Mesh, Object, Perspective, Polyhedron, Scene, Thing
+from hsr.scene.model import Ambient, Camera, Directional, Mesh, Object, Polyhedron, Scene, Thing
 from hsr.scene.polyhedra import convexity_problems
 from hsr.scene.shapes import MAX_FACES, Kind, Polygons, Shape, generic
-from hsr.scene.transforms import compose, placed
-from hsr.scene.validation import lines_of, nearest
+from hsr.scene.transforms import compose, copies, placed
+from hsr.scene.validation import lines_of
 
 SCENES = (".toml", ".json")
 GLTF = (".glb", ".gltf")
 MESHES = (".obj", ".ply", ".stl", ".off", *GLTF)
-
-OBLIQUE = (0.48, 0.36, 0.8)
-"""Unit vector from the centre of a fitted view to its eye: from the right, above and in front."""
-
-MARGIN = 1.05
-"""How much farther away a fitted camera stands than it must."""
-
-FITTED_FOV = 40.0
-"""Narrower field of view of a fitted camera, in degrees."""
 
 Part = TypeVar("Part")
 
@@ -47,14 +40,15 @@ CAMERA: TypeAdapter[Camera] = TypeAdapter(Camera)
 def load(path: str | Path) -> Scene:
     """Read a scene file, or a mesh file as a scene of its own.
 
-    A mesh file gets a camera named ``fitted`` that has its whole bounding sphere in view, whatever the
-    shape of the image, and a default light. Of a GLB or glTF file every node with a mesh is an object,
-    and the file's own cameras come before the fitted one.
+    A scene file without a camera, and a mesh file, get one named ``fitted`` that has a sphere around all
+    objects in view, whatever the shape of the image; a mesh file also gets lights. Of a GLB or glTF file
+    every node with a mesh is an object, and the file's own cameras come before the fitted one.
 
     Parameters
     ----------
     path : str or Path
-        Its ending says what it is: .toml, .json; .obj, .ply, .stl, .off, .glb, .gltf.
+        Its ending says what it is: .toml, .json; .obj, .ply, .stl, .off, .glb, .gltf. Or the name of a
+        built-in scene: ``"teapot"``.
 
     Returns
     -------
@@ -73,13 +67,22 @@ def load(path: str | Path) -> Scene:
     ('Cyclic overlap', ['first', 'second', 'third'])
     """
     path = Path(path)
+    if not path.suffix and not path.exists():
+        path = named(str(path), built_in(), "there is no file and no built-in scene", SceneError)
     ending = path.suffix.lower()
     if ending not in SCENES + MESHES:
         raise SceneError(f"{path}: not a scene or mesh file; the endings are {' '.join(SCENES + MESHES)}")
     read = _read_scene if ending in SCENES else _gltf_scene if ending in GLTF else _mesh_scene
     with _prefixed(f"{path}: "):
-        _check_file(path)
+        _check_file(path, built_in() if path.parent == Path() else ())
         return read(path).located(path.parent)
+
+
+@lru_cache
+def built_in() -> dict[str, Path]:
+    """Return the files of the built-in scenes by name: in the package, or beside it in a checkout."""
+    inside, beside = (folder / "scenes" for folder in Path(__file__).parents[1:3])
+    return {file.stem: file for file in sorted((inside if inside.is_dir() else beside).glob("*.toml"))}
 
 
 def shape_of(thing: Object, folder: Path) -> Shape:
@@ -112,12 +115,16 @@ def _prefixed(prefix: str) -> Iterator[None]:
         raise SceneError(f"{prefix}cannot be read: {error.strerror}") from error
 
 
-def _check_file(path: Path) -> None:
+def _check_file(path: Path, also: Iterable[str] = ()) -> None:
+    """Refuse what is no file; suggest one beside it whose name is like it, or another name."""
     if path.is_dir():
         raise SceneError("this is a folder; name a file in it")
     if not path.exists():
-        siblings = [other.name for other in path.parent.iterdir()] if path.parent.is_dir() else []
-        raise SceneError(f"no such file; {nearest(path.name, siblings)}".rstrip("; "))
+        # Endings are alike anyhow: the rest of the names is compared.
+        beside = sorted(path.parent.glob("*"), key=lambda other: other.suffix == path.suffix)
+        known = dict(zip(also, also, strict=True)) | {other.stem: other.name for other in beside}
+        near = [known[stem] for stem in get_close_matches(path.stem, known, n=1)]
+        raise SceneError(f"no such file{f'; did you mean {near[0]!r}?' if near else ''}")
 
 
 # ---------------------------------------------------------------- scene files
@@ -134,7 +141,7 @@ def _read_scene(path: Path) -> Scene:
     problems = _part_problems(enumerate(scene.camera), enumerate(scene.object), path.parent)
     if problems:
         raise SceneError(problems)
-    return scene
+    return scene if scene.camera else _with_fitted(scene.located(path.parent))
 
 
 def _parsed(path: Path) -> Any:
@@ -281,23 +288,25 @@ def _scene_of(things: Sequence[Mesh], cameras: Sequence[Camera], path: Path) -> 
     if problems:
         raise SceneError([problem.partition(f"{path.name}: ")[2] or problem for problem in problems])
     lights = (Ambient(type="ambient"), Directional(type="directional", direction=(-0.4, -1.0, -0.6)))
-    name = unique([*(camera.name for camera in cameras), "fitted"])[-1]
-    cameras = (*cameras, _fitted_camera(name, things, path.parent))
-    return Scene(title=path.name, camera=cameras, object=tuple(things), light=lights)
+    scene = Scene(title=path.name, camera=tuple(cameras), object=tuple(things), light=lights)
+    return _with_fitted(scene.located(path.parent))
 
 
-def _fitted_camera(name: str, things: Sequence[Mesh], folder: Path) -> Perspective:
-    """Look at the centre from so far that the bounding sphere is inside the narrower field of view."""
-    corners = np.concatenate([_world_corners(thing, folder) for thing in things])
-    centre = (corners.min(axis=0) + corners.max(axis=0)) / 2.0
-    radius = float(np.linalg.norm(corners - centre, axis=1).max()) or 1.0
-    distance = MARGIN * radius / math.sin(math.radians(FITTED_FOV / 2.0))
-    eye = centre + distance * np.array(OBLIQUE)
-    place = {"eye": eye, "target": centre, "near": (distance - radius) / 2.0}
-    return Perspective(type="perspective", name=name, fov=FITTED_FOV, fov_axis="min", **place)
+def _with_fitted(scene: Scene) -> Scene:
+    """Put a camera behind those of a scene that has all of it in view."""
+    name = unique([*(camera.name for camera in scene.camera), "fitted"])[-1]
+    return scene.model_copy(update={"camera": (*scene.camera, fitted(ball_of(scene), name))})
 
 
-def _world_corners(thing: Mesh, folder: Path) -> Floats:
-    """World positions of the vertices that faces use."""
-    polygons = cast(Polygons, _shape(thing, folder).polygons)
-    return placed(polygons.used, compose(thing.transform)[:3])
+def ball_of(scene: Scene) -> Ball:
+    """Return a sphere around all objects of a scene, as cameras are fitted to it."""
+    placings = ((thing, matrix) for thing in scene.object for _, matrix in copies(thing))
+    return ball_around(np.concatenate([placed(_corners(scene, thing), m[:3]) for thing, m in placings]))
+
+
+def _corners(scene: Scene, thing: Object) -> Floats:
+    """Vertices that faces use, or the corners of the box around a round solid, in object space."""
+    shape = _shape(thing, scene.folder)
+    if shape.quadric is not None:
+        return np.array([*product(*shape.quadric.box.T)])
+    return cast(Polygons, shape.polygons).used

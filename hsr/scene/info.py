@@ -47,7 +47,6 @@ def describe(scene: Scene, size: tuple[int, int] = (512, 512)) -> dict[str, Any]
     problem_of = cache(_surface_problem)
     objects = [_object(thing, scene, projections, problem_of) for thing in scene.object]
     return {
-        "hsr": 1,
         "title": scene.title,
         "about": scene.about,
         "size": list(size),

@@ -439,7 +439,7 @@ class Scene(Description):
     """A scene file: cameras, objects, lights, and how finely curved shapes are cut.
 
     ``segments`` is the number of sides that stand for a full circle wherever a method needs
-    polygons in place of a sphere or a cylinder.
+    polygons in place of a sphere or a cylinder. A file without a camera gets one that sees all objects.
     """
 
     hsr: Literal[1] = 1
@@ -447,7 +447,7 @@ class Scene(Description):
     about: str = ""
     background: Colour = (1.0, 1.0, 1.0)
     segments: Annotated[int, Field(ge=3, le=1024)] = 48
-    camera: Annotated[List[Camera], Field(min_length=1)]
+    camera: List[Camera] = ()
     object: Annotated[List[Object], Field(min_length=1)]
     light: List[Light] = ()
     _folder: Path = PrivateAttr(default=Path())

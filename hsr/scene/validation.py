@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from hsr.base.errors import nearest
 from hsr.scene.model import Camera, Light, Object, Scatter, Scene, Step
 
 TAGGED = {"camera": (Camera, "type"), "object": (Object, "shape"), "light": (Light, "type")}
@@ -48,12 +48,6 @@ def lines_of(error: ValidationError) -> list[str]:
         ``object[2].transform[0].scale: expected a number, got 'big'``; indices count from 0.
     """
     return [_line(detail) for detail in error.errors(include_url=False)]
-
-
-def nearest(word: object, known: Iterable[str]) -> str:
-    """Return ``did you mean ...?; `` if a known word is near, else nothing."""
-    near = difflib.get_close_matches(str(word), known, n=1)
-    return f"did you mean {near[0]!r}? " if near else ""
 
 
 def shown(value: object) -> str:

@@ -304,7 +304,8 @@ def _group(label: str, mask: Bools, difference: Difference, limits: Limits, subj
     if subject is None:
         return Group(label, allowed, clusters)
     wrong = difference.b if label == REFERENCE_WRONG else difference.a
-    told = history(subject.view, *clusters[0].sample, [wrong])
+    y, x = clusters[0].sample
+    told = history(subject.view, [wrong], x=x, y=y)
     return Group(label, allowed, clusters, told.stories[0].sentence)
 
 

@@ -6,11 +6,10 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from hsr.base.errors import CheckError
+from hsr.base.errors import CheckError, nearest
 from hsr.difference.classes import OTHER_OWNER
 from hsr.models.foreign import MODEL, PARAMETERS
 from hsr.models.stages import Cause
-from hsr.scene.validation import nearest
 
 REFERENCE_WRONG = "reference wrong"
 """The cause of samples at which the judged map is right, and the map it is judged against is not."""

@@ -74,12 +74,16 @@ def test_same_input_same_map(method: Method, make_scene: Any) -> None:
 
 
 def test_unknown_method_lists_the_known_ones(make_scene: Any) -> None:
-    with pytest.raises(MethodError, match="no method is named 'zbufer'; there are exact, backface, painter"):
+    with pytest.raises(MethodError, match=r"no method is named 'zbufer'; did you mean 'zbuffer'\?$"):
         hsr.render(make_scene(CUBE), "zbufer")
+    with pytest.raises(MethodError, match="no method is named 'magic'; there are exact, backface, painter"):
+        hsr.render(make_scene(CUBE), "magic")
 
 
 def test_unknown_option_lists_the_known_ones(make_scene: Any) -> None:
-    with pytest.raises(MethodError, match="scanline has no option 'steping'; it has stepping"):
+    with pytest.raises(
+        MethodError, match=r"scanline has no option 'steping'; did you mean 'stepping'\? it has stepping"
+    ):
         hsr.render(make_scene(CUBE), "scanline", steping="direct")
 
 

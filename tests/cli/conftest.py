@@ -10,8 +10,15 @@ from hsr.cli import app
 
 
 @pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, scenes: Path) -> Any:
+def run(
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    scenes: Path,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Any:
     """Run the command in this process: ``run("render", ...) -> (exit code, stdout, stderr)``."""
+
+    monkeypatch.setenv("HSR_STORE", str(tmp_path_factory.mktemp("store")))
 
     def call(*arguments: str) -> tuple[int, str, str]:
         monkeypatch.chdir(scenes.parent)

@@ -76,7 +76,7 @@ def test_json_is_the_file(run: Any) -> None:
         (("compare", "nothing.json", "nothing.json"), "nothing.json: cannot read the results"),
         (("compare", CUBE, CUBE), "scenes/cube.toml: no benchmark results of version 1"),
         (("compare", "a", "b", "--fail", "10%"), "--fail '10%': write median:PERCENT%"),
-        (("compare", "a", "b", "-o", "c.txt"), "c.txt: changes are written as .csv or .md"),
+        (("compare", "a", "b", "-o", "c.txt"), "c.txt: what is written ends in .csv or .md; say c.csv"),
     ],
 )
 def test_mistakes_are_one_line(run: Any, arguments: tuple[str, ...], message: str) -> None:

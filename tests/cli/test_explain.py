@@ -16,7 +16,7 @@ def test_explain_tells_the_same_as_text_and_as_json(run: Any) -> None:
     assert code == 0 and text.startswith("column 20, row 15 of 40x30: owned by cube.")
     code, out, _ = run(*arguments, "--json")
     facts = json.loads(out)
-    assert (code, facts["hsr"], facts["scene"], facts["sample"]) == (0, 1, CUBE, [20, 15])
+    assert (code, facts["kind"], facts["scene"], facts["sample"]) == (0, "explain", CUBE, {"x": 20, "y": 15})
     assert [method["method"] for method in facts["methods"]] == ["zbuffer", "backface"]
     for told in (*facts["methods"], *facts["faces"]):
         assert told["name"] in text

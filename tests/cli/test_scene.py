@@ -11,10 +11,10 @@ CUBE = "scenes/cube.toml"
 
 def test_scene_check(run: Any, tmp_path: Path) -> None:
     bad = tmp_path / "bad.toml"
-    bad.write_text('hsr = 1\ncolor = 3\n[[object]]\nname = "a"\nshape = "cube"\n', encoding="utf-8")
+    bad.write_text('hsr = 1\ncolor = 3\n[[object]]\nname = "a"\nshape = "cub"\n', encoding="utf-8")
     assert run("scene", "check", CUBE)[:2] == (0, f"{CUBE}: ok\n")
     code, out, _ = run("scene", "check", CUBE, str(bad))
-    assert code == 2 and "color" in out and "camera" in out
+    assert code == 2 and "color" in out and "did you mean 'cube'" in out
     assert len(json.loads(run("scene", "check", str(bad), "--json")[1])["problems"][str(bad)]) == 2
 
 

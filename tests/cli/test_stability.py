@@ -93,7 +93,7 @@ def test_scenes_are_for_every_other_command(run: Any, tmp_path: Path) -> None:
         (("scene", "nope", "--at", "1"), "hsr: no family is named 'nope'; there are "),
         (
             ("scene", "fan", "--at", "8", "-o", "/proc/none/x.toml"),
-            "hsr: /proc/none/x.toml: cannot write the scene: ",
+            "hsr: /proc/none/x.toml: there is no folder /proc/none",
         ),
     ],
 )

@@ -49,7 +49,7 @@ def test_a_tie_is_no_difference_where_the_reference_knows_it() -> None:
     assert found.classes.tolist() == [[WRONG, TIE, TIE, SAME]]
     assert found.different == 1 and found.counts["tie"] == 2 and found.largest == 1
     assert found.summary().endswith(
-        "; 2 tie\n  1 wrong face  row 0, column 0  shows unknown face 1, expected unknown face 0"
+        "; 2 tie\n  1 wrong face  column 0, row 0  shows unknown face 1, expected unknown face 0"
     )
     assert hsr.compare(a_map([[1, 0, 0, 1]]), reference).counts["wrong face"] == 2  # 0 may not own the third
 
@@ -153,8 +153,8 @@ def test_summary_names_faces() -> None:
     reference = a_map([[0, 4, 4, 4], [4, 4, 4, 4]], manifest=manifest, method="opengl")
     assert hsr.compare(shown, reference).summary().splitlines() == [
         "zbuffer vs opengl  4x2  3 differ (1 wrong face, 2 missing), largest cluster 2, 1 off by one pixel",
-        "  2 missing  rows 0..1, columns 2..3  shows background, expected box.front",
-        "  1 wrong face  row 0, column 0  shows box.front, expected box.top",
+        "  2 missing  columns 2..3, rows 0..1  shows background, expected box.front",
+        "  1 wrong face  column 0, row 0  shows box.front, expected box.top",
     ]
 
 
@@ -169,7 +169,7 @@ def test_json() -> None:
     found = hsr.compare(a_map([[1, 0, -1]]), a_map([[0, 0, 0]], method="b"), truth=a_map([[1, 0, 0]]))
     told = json.loads(json.dumps(found.to_json()))
     assert told["counts"]["wrong face"] == 1 and told["size"] == [3, 1] and told["cluster_count"] == 2
-    assert told["clusters"][0]["box"] == [0, 0, 1, 1]
+    assert told["clusters"][0]["box"] == {"x": [0, 1], "y": [0, 1]}
     assert told["truth"] == {"a_right": 1, "b_right": 1, "neither": 0}
 
 

@@ -23,7 +23,7 @@ from hsr.problem.view import View, view
 PARALLEL = {"type": "orthographic", "eye": [0.0, 0.0, 10.0], "height": 8.0, "near": 0.0, "far": 16.0}
 """With 8 x 8 samples: of (row r, column c) at x = c - 3.5, y = 3.5 - r; a pixel is one unit."""
 
-SAMPLE = (3, 3)
+AT = {"x": 3, "y": 3}
 """At x = -0.5, y = 0.5."""
 
 
@@ -63,7 +63,7 @@ def test_verdicts(make_scene: Any) -> None:
         triangle("distant", -8.0),
         triangle("aside", 4.0, left=-0.25),
     )
-    told = history(seen, *SAMPLE, [render(seen, "zbuffer")])
+    told = history(seen, [render(seen, "zbuffer")], **AT)
     verdicts = {entry.name: entry.verdicts["zbuffer"] for entry in told.entries}
     assert told.owner == "culled#0"
     assert verdicts == {
@@ -80,7 +80,7 @@ def test_verdicts(make_scene: Any) -> None:
 
 def test_a_nearer_face_is_passed_over_or_missed(make_scene: Any) -> None:
     seen = seen_by(make_scene, triangle("near", 1.0), triangle("far", 0.0))
-    told = history(seen, *SAMPLE, [render(seen, "backface"), shown(seen, "raycast", -1)])
+    told = history(seen, [render(seen, "backface"), shown(seen, "raycast", -1)], **AT)
     near, far = told.entries
     assert near.verdicts == {"backface": "passed over: 1 nearer than far#0", "raycast": "missed"}
     assert far.verdicts == {"backface": "won", "raycast": "missed"}
@@ -97,14 +97,14 @@ def test_a_nearer_face_is_passed_over_or_missed(make_scene: Any) -> None:
 
 def test_where_no_depth_is_told_none_is_compared(make_scene: Any) -> None:
     seen = seen_by(make_scene, triangle("near", 1.0), triangle("beside", 0.0, left=1.0))
-    told = history(seen, *SAMPLE, [shown(seen, "other", 1, np.nan)])
+    told = history(seen, [shown(seen, "other", 1, np.nan)], **AT)
     assert told.entries[0].verdicts == {"other": "passed over for beside#0, whose depth is not told"}
     assert "nan" not in str(told)
 
 
 def test_a_face_beside_the_sample_is_compared_by_each_method_s_own_depth(make_scene: Any) -> None:
     seen = seen_by(make_scene, triangle("near", 1.0), triangle("beside", 0.0, left=1.0))
-    told = history(seen, *SAMPLE, [shown(seen, "one", 1, 8.0), shown(seen, "other", 1, 9.5)])
+    told = history(seen, [shown(seen, "one", 1, 8.0), shown(seen, "other", 1, 9.5)], **AT)
     assert told.entries[0].verdicts == {
         "one": "lost depth to beside#0 by 1",
         "other": "passed over: 0.5 nearer than beside#0",
@@ -113,7 +113,7 @@ def test_a_face_beside_the_sample_is_compared_by_each_method_s_own_depth(make_sc
 
 def test_a_tie_is_right_either_way(make_scene: Any) -> None:
     seen = seen_by(make_scene, triangle("one", 0.0), triangle("other", 0.0))
-    told = history(seen, *SAMPLE, [shown(seen, "zbuffer", 0), shown(seen, "raycast", 1)])
+    told = history(seen, [shown(seen, "zbuffer", 0), shown(seen, "raycast", 1)], **AT)
     assert [story.right for story in told.stories] == [True, True]
     assert [entry.verdicts for entry in told.entries] == [
         {"zbuffer": "won", "raycast": "tie"},
@@ -124,7 +124,7 @@ def test_a_tie_is_right_either_way(make_scene: Any) -> None:
 
 def test_the_far_side_of_what_won_has_lost(make_scene: Any) -> None:
     seen = seen_by(make_scene, {"shape": "sphere", "name": "ball"})
-    near, far = history(seen, *SAMPLE, [render(seen, "raycast")]).entries
+    near, far = history(seen, [render(seen, "raycast")], **AT).entries
     assert (near.verdicts["raycast"], far.verdicts["raycast"]) == ("won", "lost depth to ball by 1.41")
 
 
@@ -141,13 +141,13 @@ def test_the_far_side_of_what_won_has_lost(make_scene: Any) -> None:
 )
 def test_what_is_not_there_is_unexplained(thing: dict[str, Any], truth: str, make_scene: Any) -> None:
     seen = seen_by(make_scene, thing)
-    (story,) = history(seen, *SAMPLE, [shown(seen, "zbuffer", 0)]).stories
+    (story,) = history(seen, [shown(seen, "zbuffer", 0)], **AT).stories
     assert story.cause == "unexplained" and story.sentence.endswith(f"exactly, {truth}")
 
 
 def test_a_face_far_from_the_sample_is_unexplained(make_scene: Any) -> None:
     seen = seen_by(make_scene, triangle("m", 1.0), triangle("far", 0.0, left=2.5))
-    (story,) = history(seen, *SAMPLE, [shown(seen, "zbuffer", 1)]).stories
+    (story,) = history(seen, [shown(seen, "zbuffer", 1)], **AT).stories
     assert (story.name, story.cause) == ("far#0", "unexplained")
     assert story.sentence.endswith("m#0, which owns it.")
 
@@ -157,7 +157,7 @@ def test_a_face_far_from_the_sample_is_unexplained(make_scene: Any) -> None:
 
 def test_snapping_moves_an_edge_across_the_sample(make_scene: Any) -> None:
     seen = seen_by(make_scene, triangle("m", 1.0, left=-0.5 + 0.25 / 256))
-    (story,) = history(seen, *SAMPLE, [driver(seen)]).stories
+    (story,) = history(seen, [driver(seen)], **AT).stories
     assert story.sentence == (
         "opengl shows m#0 because after snapping to 1/256 pixel the sample lies on an edge of it "
         "(vertex snapping); exactly, the sample lies 0.000977 px outside its edge 2, and nothing covers it."
@@ -170,7 +170,7 @@ def test_snapping_takes_the_sample_from_its_owner(make_scene: Any) -> None:
     corners = [(-0.5 - 0.4 / 256, 3.0, 1.0), (-0.5 + 0.55 / 256, -3.0, 1.0), (3.0, 0.0, 1.0)]
     leaning = {"shape": "mesh", "name": "m", "vertices": corners, "faces": [(0, 1, 2)]}
     seen = seen_by(make_scene, leaning)
-    told = history(seen, *SAMPLE, [driver(seen)])
+    told = history(seen, [driver(seen)], **AT)
     (entry,), (story,) = told.entries, told.stories
     assert entry.verdicts["opengl"] == "not covered: 0.00163 px outside after snapping to 1/256 pixel"
     assert story.sentence == (
@@ -182,7 +182,7 @@ def test_snapping_takes_the_sample_from_its_owner(make_scene: Any) -> None:
 
 def test_equal_integers_go_to_what_is_drawn_first(make_scene: Any) -> None:
     seen = seen_by(make_scene, triangle("first", 0.0), triangle("nearer", 2.0**-22))
-    told = history(seen, *SAMPLE, [driver(seen)])
+    told = history(seen, [driver(seen)], **AT)
     level = round(Fraction(10, 16) * (2**24 - 1))
     assert [entry.quantised for entry in told.entries] == [level, level]
     assert f"its depth is stored as {level} and that of nearer#0 as {level}, and it was drawn first" in str(
@@ -193,7 +193,7 @@ def test_equal_integers_go_to_what_is_drawn_first(make_scene: Any) -> None:
 
 def test_of_another_driver_nothing_is_told_but_the_stage(make_scene: Any) -> None:
     seen = seen_by(make_scene, triangle("m", 1.0, left=-0.5 + 0.25 / 256))
-    (story,) = history(seen, *SAMPLE, [replace(driver(seen), notes={"driver": "another"})]).stories
+    (story,) = history(seen, [replace(driver(seen), notes={"driver": "another"})], **AT).stories
     assert "because coordinates on the screen are rounded (vertex snapping)" in story.sentence
 
 
@@ -206,7 +206,7 @@ def test_tessellation_is_told_with_its_distance(make_scene: Any) -> None:
     }
     scene = make_scene([can], **PARALLEL).model_copy(update={"segments": 4})
     seen = view(scene, (8, 8))
-    (story,) = history(seen, *SAMPLE, [render(seen, "zbuffer")]).stories
+    (story,) = history(seen, [render(seen, "zbuffer")], **AT).stories
     # The sample is 1.25 right of and 1.5 below the middle, the side's foot at 1 and 1.
     assert story.cause == "tessellation"
     assert "the polygons of 4 sides that stand for can.cap miss the sample by 0.53 px" in story.sentence
@@ -232,7 +232,7 @@ def test_samples_are_told_together_as_each_is_alone(name: str, cause: str, scene
     samples = [*wrong[:: len(wrong) // 8 + 1].tolist(), *anywhere.tolist()]
     historian, met = Historian(seen, samples, maps, known), set()
     for sample in samples:
-        together, alone = historian.tell(sample), history(seen, *divmod(sample, 60), maps)
+        together, alone = historian.tell(sample), history(seen, maps, x=sample % 60, y=sample // 60)
         assert (together.to_json(), str(together)) == (alone.to_json(), str(alone))
         met |= {story.cause for story in together.stories}
     assert cause in met
@@ -244,9 +244,9 @@ def test_samples_are_told_together_as_each_is_alone(name: str, cause: str, scene
 def test_text_and_json_tell_the_same(make_scene: Any) -> None:
     things = [triangle("a", 1.0), triangle("b", 0.0), triangle("c", 2.0, left=-0.25)]
     seen = seen_by(make_scene, *things, {"shape": "sphere", "name": "ball"})
-    told = history(seen, *SAMPLE, [render(seen, method) for method in ("zbuffer", "raycast", "backface")])
+    told = history(seen, [render(seen, method) for method in ("zbuffer", "raycast", "backface")], **AT)
     facts, text = json.loads(json.dumps(told.to_json())), str(told)
-    assert facts["sample"] == [3, 3] and facts["size"] == [8, 8] and facts["owner"] in text
+    assert facts["sample"] == AT and facts["size"] == [8, 8] and facts["owner"] in text
     for face in facts["faces"]:
         assert face["name"] in text and face["facing"] in text
         assert all(f"{name} {distance:+.4g}" in text for name, distance in face["edges"].items())
@@ -259,7 +259,7 @@ def test_text_and_json_tell_the_same(make_scene: Any) -> None:
 
 def test_many_misses_are_counted(make_scene: Any) -> None:
     seen = seen_by(make_scene, *(triangle(f"m{k}", 0.0, left=-0.25) for k in range(10)))
-    text = str(history(seen, *SAMPLE, []))
+    text = str(history(seen, [], **AT))
     assert "m7#0" in text and "m8#0" not in text and "  and 2 more" in text
 
 
@@ -284,12 +284,12 @@ def test_window_depth_of_a_parallel_view(make_scene: Any) -> None:
 def test_a_map_of_another_view_is_one_line(make_scene: Any) -> None:
     seen, other = seen_by(make_scene, triangle("m", 0.0)), seen_by(make_scene, triangle("m", 1.0))
     with pytest.raises(MapError, match="the map of zbuffer shows another scene; render it anew"):
-        history(seen, *SAMPLE, [render(other, "zbuffer")])
+        history(seen, [render(other, "zbuffer")], **AT)
     larger = replace(seen, width=9)
     with pytest.raises(MapError, match="the map of zbuffer shows another size; render it anew"):
-        history(seen, *SAMPLE, [render(larger, "zbuffer")])
+        history(seen, [render(larger, "zbuffer")], **AT)
 
 
 def test_a_sample_outside_is_one_line(make_scene: Any) -> None:
     with pytest.raises(ViewError, match="no sample at column 8, row 0: the image is 8x8, counted from 0"):
-        history(seen_by(make_scene, triangle("m", 0.0)), 0, 8, [])
+        history(seen_by(make_scene, triangle("m", 0.0)), x=8, y=0)

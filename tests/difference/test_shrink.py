@@ -55,7 +55,7 @@ def test_the_written_scene_disagrees_too(a: str, b: str, make_scene: Any, tmp_pa
     shown = {method: render(whole, method) for method in (a, b)}
     different = np.argwhere(shown[a].face != shown[b].face)
     for row, column in different[:: len(different) // 4 + 1].tolist():
-        found = shrink(scene, row, column, a, b, SIZE)
+        found = shrink(scene, a, b, SIZE, x=column, y=row)
         assert len(found.faces) <= 7
         write_scene(found.scene, tmp_path / "small.toml")
         small = view(load(tmp_path / "small.toml"), SIZE)
@@ -79,7 +79,7 @@ def test_vertices_and_places_are_the_same_numbers(make_scene: Any) -> None:
     scene = make_scene([near, {"shape": "square", "name": "far"}, {"shape": "cube", "name": "aside"}])
     aside = {"shape": "cube", "name": "aside", "transform": [{"translate": [9.0, 0.0, 0.0]}]}
     scene = make_scene([near, {"shape": "square", "name": "far"}, aside])
-    found = shrink(scene, 20, 24, "backface", "zbuffer", SIZE)
+    found = shrink(scene, "backface", "zbuffer", SIZE, x=24, y=20)
     assert (found.shown, len(found.faces)) == (("far", "near"), 2)
     left, right = found.scene.object
     (step,) = left.transform
@@ -95,7 +95,7 @@ def test_another_camera_is_kept_alone(make_scene: Any) -> None:
     scene = scene.model_copy(update={"camera": (*scene.camera, other)})
     shown = [render(view(scene, SIZE, "other"), method).face for method in ("backface", "zbuffer")]
     row, column = np.argwhere(shown[0] != shown[1])[0].tolist()
-    assert shrink(scene, row, column, "backface", "zbuffer", SIZE, "other").scene.camera == (other,)
+    assert shrink(scene, "backface", "zbuffer", SIZE, "other", x=column, y=row).scene.camera == (other,)
 
 
 def test_agreement_is_one_line(make_scene: Any) -> None:
@@ -103,4 +103,4 @@ def test_agreement_is_one_line(make_scene: Any) -> None:
     with pytest.raises(
         MethodError, match="backface and zbuffer agree at column 1, row 0: both show background"
     ):
-        shrink(scene, 0, 1, "backface", "zbuffer", SIZE)
+        shrink(scene, "backface", "zbuffer", SIZE, x=1, y=0)

@@ -47,7 +47,7 @@ def test_the_owner_is_that_of_the_whole_image(camera: dict[str, Any], make_scene
     seen = view(make_scene(CROWD, **camera), (40, 30))
     whole = truth(seen)
     for row, column in np.random.default_rng(0).integers(0, [30, 40], (60, 2)).tolist():
-        here = sightline(seen, row, column)
+        here = sightline(seen, x=column, y=row)
         assert here.owner == whole.face[row, column]
         assert here.admissible == (whole.admissible.faces(row * 40 + column) or {here.owner})
         if here.owner >= 0:
@@ -60,7 +60,9 @@ def test_nearby_keeps_every_face_the_sample_shows(make_scene: Any) -> None:
     seen = view(make_scene(CROWD, eye=[0.3, 0.4, 4.0]), (40, 30))
     nearby = faces_nearby(seen, np.array([15 * 40 + 20]))
     assert nearby.view.faces == len(nearby.origin) < seen.faces
-    assert sightline(nearby.view, 15, 20).owner == nearby.origin.tolist().index(sightline(seen, 15, 20).owner)
+    assert sightline(nearby.view, x=20, y=15).owner == nearby.origin.tolist().index(
+        sightline(seen, x=20, y=15).owner
+    )
 
 
 def test_distances_facing_and_order(make_scene: Any) -> None:
@@ -69,7 +71,7 @@ def test_distances_facing_and_order(make_scene: Any) -> None:
     back = mesh((-2.0, 0.25, -2.0), (-2.0, 4.0, -2.0), (2.0, 0.25, -2.0), name="back")
     missing = mesh((-2.0, 1.25, 3.0), (2.0, 1.25, 3.0), (0.0, 4.0, 3.0), name="missing")
     seen = triangle_view(make_scene, back, missing, front)
-    layers = sightline(seen, 3, 3).layers
+    layers = sightline(seen, x=3, y=3).layers
     assert [layer.face for layer in layers] == [2, 0, 1]
     assert [layer.facing for layer in layers] == ["front", "back", "front"]
     assert [layer.depth for layer in layers] == [Fraction(9), Fraction(12), None]
@@ -80,7 +82,7 @@ def test_distances_facing_and_order(make_scene: Any) -> None:
 
 def test_more_than_a_pixel_away_is_not_told(make_scene: Any) -> None:
     seen = triangle_view(make_scene, mesh((-2.0, 1.5, 3.0), (2.0, 1.5, 3.0), (0.0, 4.0, 3.0)))
-    assert sightline(seen, 3, 3).layers == ()
+    assert sightline(seen, x=3, y=3).layers == ()
 
 
 @pytest.mark.parametrize(
@@ -91,7 +93,7 @@ def test_what_is_culled_or_clipped_is_told(
     keys: dict[str, Any], z: float, removed: str, make_scene: Any
 ) -> None:
     seen = triangle_view(make_scene, mesh((-2.0, 0.0, z), (2.0, 0.0, z), (-2.0, 4.0, z), **keys))
-    here = sightline(seen, 3, 3)
+    here = sightline(seen, x=3, y=3)
     (layer,) = here.layers
     assert layer.covered and layer.removed == removed
     assert here.owner == (-1 if removed else 0)
@@ -100,7 +102,7 @@ def test_what_is_culled_or_clipped_is_told(
 def test_both_sides_of_a_sphere_and_its_outline(make_scene: Any) -> None:
     ball = {"shape": "sphere", "name": "ball", "transform": [{"scale": 2.0}, {"translate": [-0.5, 0.5, 0.0]}]}
     seen = triangle_view(make_scene, ball)
-    front, back = sightline(seen, 3, 4).layers  # one unit to the right of the middle
+    front, back = sightline(seen, x=4, y=3).layers  # one unit to the right of the middle
     assert (front.facing, back.facing) == ("front", "back")
     assert [float(layer.depth or 0) for layer in (front, back)] == pytest.approx([10 - 3**0.5, 10 + 3**0.5])
     # To first order: (r^2 - x^2) / 2 x, with r = 2 and x = 1.
@@ -111,16 +113,16 @@ def test_the_rims_of_a_cylinder(make_scene: Any) -> None:
     can = {"shape": "cylinder", "name": "can", "transform": [{"rotate_x": -90.0}, {"scale": [2.0, 3.0, 2.0]}]}
     # Its side is seen from y = 0 to y = 3; row 2 is at y = 1.5, row 4 at y = -0.5.
     seen = triangle_view(make_scene, can)
-    side = sightline(seen, 2, 3).of(0)
+    side = sightline(seen, x=3, y=2).of(0)
     assert side is not None and side.edges["base rim"] == pytest.approx(1.5)
     assert side.edges["cap rim"] == pytest.approx(1.5)
-    below = sightline(seen, 4, 3).of(0)
+    below = sightline(seen, x=3, y=4).of(0)
     assert below is not None and not below.covered and below.nearest_edge == ("base rim", pytest.approx(-0.5))
 
 
 def test_edge_on_faces_are_told_and_cover_nothing(make_scene: Any) -> None:
     seen = triangle_view(make_scene, mesh((-2.0, 0.5, 0.0), (2.0, 0.5, 0.0), (0.0, 0.5, 3.0)))
-    (layer,) = sightline(seen, 3, 3).layers
+    (layer,) = sightline(seen, x=3, y=3).layers
     assert layer.facing == "edge-on" and not layer.covered
 
 
@@ -128,7 +130,7 @@ def test_ties_are_told(make_scene: Any) -> None:
     # Both triangles have the sample on their common side.
     left = mesh((-0.5, -3.0, 0.0), (-0.5, 3.0, 0.0), (-3.0, 0.0, 0.0))
     right = mesh((-0.5, -3.0, 0.0), (3.0, 0.0, 0.0), (-0.5, 3.0, 0.0), name="right")
-    here = sightline(triangle_view(make_scene, left, right), 3, 3)
+    here = sightline(triangle_view(make_scene, left, right), x=3, y=3)
     assert (here.owner, here.admissible) == (1, {0, 1})
 
 
@@ -149,7 +151,7 @@ def test_a_side_through_the_sample_belongs_to_what_is_below_and_to_the_right(
     one: list[Any], other: list[Any], make_scene: Any
 ) -> None:
     seen = triangle_view(make_scene, mesh(*one), mesh(*other, name="other"))
-    assert [layer.covered for layer in map(sightline(seen, 3, 3).of, (0, 1)) if layer] == [False, True]
+    assert [layer.covered for layer in map(sightline(seen, x=3, y=3).of, (0, 1)) if layer] == [False, True]
 
 
 def agrees(seen: View) -> None:
@@ -190,7 +192,9 @@ def test_values_far_from_zero_are_infinitely_far(value: int, square: int, distan
 
 
 def test_an_empty_line_of_sight(make_scene: Any) -> None:
-    here = sightline(triangle_view(make_scene, mesh((2.0, 2.0, 0.0), (3.0, 2.0, 0.0), (2.0, 3.0, 0.0))), 7, 0)
+    here = sightline(
+        triangle_view(make_scene, mesh((2.0, 2.0, 0.0), (3.0, 2.0, 0.0), (2.0, 3.0, 0.0))), x=0, y=7
+    )
     assert (here.owner, here.admissible, here.layers) == (-1, {-1}, ())
 
 
@@ -198,4 +202,4 @@ def test_an_empty_line_of_sight(make_scene: Any) -> None:
 def test_a_sample_outside_is_one_line(row: int, column: int, make_scene: Any) -> None:
     seen = triangle_view(make_scene, mesh((2.0, 2.0, 0.0), (3.0, 2.0, 0.0), (2.0, 3.0, 0.0)))
     with pytest.raises(ViewError, match=f"no sample at column {column}, row {row}: the image is 8x8"):
-        check_sample(seen, row, column)
+        check_sample(seen, column, row)

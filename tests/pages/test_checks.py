@@ -126,7 +126,7 @@ def test_a_link_opens_the_sample_of_maps_without_a_scene(tab: Any, page: Path) -
 def test_a_link_opens_the_history_of_a_sample_of_a_scene(tab: Any, page: Path, real: Study) -> None:
     row, column = real.differences["backface"].clusters[0].sample
     opened(tab, page, "e/1", (row, column))
-    told = hsr.history(real.view, row, column, [real.maps["exact"], real.maps["backface"]])
+    told = hsr.history(real.view, [real.maps["exact"], real.maps["backface"]], x=column, y=row)
     lines = tab.locator("#story p, #story .line, #story .verdict, #story .missed li, #story .sentences li")
     assert lines.all_text_contents() == [line.strip() for line in str(told).splitlines() if line.strip()]
     assert "wrong face, no depth test" in tab.locator("#methods").inner_text()

@@ -6,16 +6,13 @@ import re
 from io import BytesIO
 from pathlib import Path
 
-import numpy as np
 import pytest
 from PIL import Image
 
 import hsr
-from hsr.base.errors import HsrError
 from hsr.pages import gallery
-from hsr.pages.gallery import overview, turned, turntable, write_gallery
+from hsr.pages.gallery import overview, turntable, write_gallery
 from hsr.pictures.palette import CLASS_COLOURS
-from hsr.scene.model import Scene
 from tests.pages.policies import assert_strict
 
 METHODS = ("exact", "scanline", "backface", "raycast")
@@ -47,27 +44,9 @@ def test_the_page_says_what_was_measured(tmp_path: Path, scenes: Path) -> None:
         assert (tmp_path / name).exists()
 
 
-def test_a_turn_ends_where_it_began(scenes: Path) -> None:
-    scene = hsr.load(scenes / "cube.toml")
-    np.testing.assert_allclose(turned(scene, 2.0 * np.pi).camera[0].eye, scene.camera[0].eye, atol=1e-12)
-    quarter = turned(scene, 0.5 * np.pi).camera[0]
-    x, y, z = np.subtract(scene.camera[0].eye, scene.camera[0].target)
-    np.testing.assert_allclose(np.subtract(quarter.eye, quarter.target), (z, y, -x), atol=1e-12)
-
-
 def test_a_turntable_is_animated(scenes: Path) -> None:
     with Image.open(BytesIO(turntable(hsr.load(scenes / "cube.toml")))) as picture:
         assert picture.n_frames == 4 and picture.size == (24, 24)
-
-
-def test_a_camera_without_a_place_cannot_turn() -> None:
-    tables = {
-        "hsr": 1,
-        "camera": [{"type": "matrix", "matrix": np.eye(4).tolist()}],
-        "object": [{"name": "one", "shape": "cube"}],
-    }
-    with pytest.raises(HsrError, match="camera 'main' is a matrix"):
-        turned(Scene.model_validate(tables), 1.0)
 
 
 def test_the_overview_has_a_column_a_scene(scenes: Path) -> None:

@@ -92,7 +92,7 @@ def test_stories_are_told_of_samples_that_differ_and_around_them(told: Any, real
 def test_stories_are_the_histories(told: Any, real: Study) -> None:
     for sample, parts in list(stories_of(told).items())[::16]:
         row, column = divmod(sample, real.view.width)
-        assert parts == hsr.history(real.view, row, column, list(real.maps.values())).parts()
+        assert parts == hsr.history(real.view, list(real.maps.values()), x=column, y=row).parts()
 
 
 def test_stories_are_shared_out_when_they_are_cut(real: Study, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -121,7 +121,7 @@ def test_hidden_edges_are_those_of_faces_in_histories(told: Any, real: Study) ->
     met = set()
     for sample in unpack(told["told"]).tolist():
         row, column = divmod(sample, real.view.width)
-        met |= {entry.layer.face for entry in hsr.history(real.view, row, column, []).entries}
+        met |= {entry.layer.face for entry in hsr.history(real.view, x=column, y=row).entries}
     for faces, edges in (
         (seen[seen >= 0], told["edges"]),
         (np.array(sorted(met - set(seen.tolist()))), told["hidden"]),

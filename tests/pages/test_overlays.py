@@ -49,7 +49,7 @@ def test_complexity_counts_what_lies_on_the_line_of_sight(
     ]
     view = seen_by(make_scene, *cubes, camera=camera, size=12)
     counted = [
-        sum(layer.covered and not layer.removed for layer in sightline(view, row, column).layers)
+        sum(layer.covered and not layer.removed for layer in sightline(view, x=column, y=row).layers)
         for row in range(12)
         for column in range(12)
     ]

@@ -119,7 +119,7 @@ def test_a_failure_says_what_where_and_by_which_limit(written: pytest.Pytester) 
     run.stdout.fnmatch_lines(
         [
             "E *test_scene vs test_scene.npz, 8x8: 3 samples count as different",
-            "E *wrong face 3, 1 cluster, the largest: 3 wrong face  rows 0..2, column 1*",
+            "E *wrong face 3, 1 cluster, the largest: 3 wrong face  column 1, rows 0..2*",
             "E *limit max_diff_pixels=0 (default): 3 differ",
             "E *since test_scene.npz was written: scene unknown, camera unknown, depths same, size same, *",
             "E *file://*/.hsr-results/report.html#scene=*/1&method=test_scene&x=1&y=0",

@@ -261,3 +261,10 @@ def test_segments_count_only_where_something_is_curved(make_scene: Any) -> None:
 def test_tessellating_keeps_the_hashes_of_the_camera_and_the_size(make_scene: Any) -> None:
     view = hsr.view(make_scene([CUBE, BALL]))
     assert view.tessellated().hashes["camera"] == view.hashes["camera"]
+
+
+def test_a_scene_without_a_camera_says_what_to_give() -> None:
+    scene = hsr.Scene.model_validate({"object": [{"name": "box", "shape": "cube"}]})
+    with pytest.raises(ViewError, match="the scene has no camera; give one"):
+        hsr.view(scene)
+    assert hsr.view(scene, (8, 8), hsr.Perspective(eye=(0, 0, 4))).faces == 6

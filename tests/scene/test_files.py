@@ -241,3 +241,36 @@ def test_a_single_point_can_be_looked_at(tmp_path: Path) -> None:
 def test_the_built_in_scenes_load(scenes: Path) -> None:
     for path in sorted(scenes.glob("*.toml")):
         assert load(path).title
+
+
+def test_a_scene_file_without_a_camera_gets_one_that_sees_all(tmp_path: Path) -> None:
+    strewn = 'shape = "fir"\nscatter = { count = 9, x = [-4, 4], z = [-4, 4] }'
+    write(tmp_path, a_toml=scene_text(strewn, 'shape = "sphere"').replace(CAMERA, ""))
+    scene = load(tmp_path / "a.toml")
+    assert [camera.name for camera in scene.camera] == ["fitted"]
+    seen = hsr.render(scene, "raycast", (64, 64))
+    assert len(np.unique(seen.face)) > 9
+    border = np.concatenate([seen.face[[0, -1]].ravel(), seen.face[:, [0, -1]].ravel()])
+    assert (border == -1).all()
+
+
+def test_built_in_scenes_have_names(scenes: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert load("teapot") == load(scenes / "teapot.toml") and load(Path("cube")).title == "Cube"
+    with pytest.raises(SceneError, match=r"no file and no built-in scene 'teapt'; did you mean 'teapot'\?"):
+        load("teapt")
+    with pytest.raises(SceneError, match=r"^teapot.toml: no such file; did you mean 'teapot'\?"):
+        load("teapot.toml")
+    (tmp_path / "cube").mkdir()
+    with pytest.raises(SceneError, match="cube: "):
+        load("cube")  # an existing path wins
+
+
+@pytest.mark.parametrize(
+    ("asked", "meant"), [("cub.toml", "cube.toml"), ("cube.ply", "cube.toml"), ("bunny.toml", "")]
+)
+def test_files_are_suggested_if_their_names_are_alike(tmp_path: Path, asked: str, meant: str) -> None:
+    write(tmp_path, cube_toml="", torus_toml="", notes_txt="")
+    assert problems_of(tmp_path / asked) == [
+        f"no such file; did you mean {meant!r}?" if meant else "no such file"
+    ]

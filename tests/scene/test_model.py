@@ -53,8 +53,8 @@ PROBLEMS = [
     (scene(background=[0, 0, -1]), "background[2]: must be at least 0, got -1"),
     (scene(background=[0, 0]), "background: expected 3 numbers, got 2"),
     (scene(background="red"), "background: expected a list, got 'red'"),
-    ({"object": [CUBE]}, "camera: this key is missing"),
-    ({"camera": [], "object": [CUBE]}, "camera: needs at least 1, got []"),
+    ({"camera": [CAMERA]}, "object: this key is missing"),
+    ({"camera": [], "object": []}, "object: needs at least 1, got []"),
     ({"camera": CAMERA, "object": [CUBE]}, "camera: expected a list, got a table"),
     (
         {"camera": [CAMERA, CAMERA], "object": [CUBE]},

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import Any
 
-from hsr.base.errors import MethodError
+from hsr.base.errors import MethodError, nearest
 
 
 def check(method: str, options: Any, choices: Mapping[str, Collection[Any]]) -> None:
@@ -20,4 +20,6 @@ def check(method: str, options: Any, choices: Mapping[str, Collection[Any]]) -> 
         value = getattr(options, name)
         if value not in known:
             told = ", ".join(str(choice).lower() for choice in known)
-            raise MethodError(f"{method} has no {name} {value!r}; choose from {told}")
+            raise MethodError(
+                f"{method} has no {name} {value!r}; {nearest(value, map(str, known))}choose from {told}"
+            )

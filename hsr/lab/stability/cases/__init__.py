@@ -6,7 +6,7 @@ import pkgutil
 from functools import cache
 from importlib import import_module
 
-from hsr.base.errors import HsrError
+from hsr.base.errors import named
 from hsr.lab.stability.family import GROUPS, Family
 
 
@@ -27,6 +27,4 @@ def family_named(name: str) -> Family:
     HsrError
         If no family has that name.
     """
-    if name not in families():
-        raise HsrError(f"no family is named {name!r}; there are {', '.join(families())}")
-    return families()[name]
+    return named(name, families(), "no family is named")
