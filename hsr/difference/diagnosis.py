@@ -7,6 +7,7 @@ mistake fits if less than a quarter as many differ without it.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from statistics import mode
 from typing import NamedTuple
 
 import numpy as np
@@ -138,13 +139,16 @@ def _diagnosis(mistake: str, before: Bools, after: Bools) -> Diagnosis:
 
 def _undone(face: Ints, expected: Ints, view: View | None) -> Iterator[tuple[str, Ints]]:
     """Yield mistakes that can be undone in the picture, and the faces (H, W) without them."""
+    from scipy import ndimage  # slow to import
+
     yield "turned upside down", face[::-1]
     yield "mirrored left to right", face[:, ::-1]
     yield "turned by 180 degrees", face[::-1, ::-1]
     for right, down in _shifts(face, expected):
-        yield f"shifted by ({right}, {down})", _shifted(face, -right, -down)
+        yield f"shifted by ({right}, {down})", ndimage.shift(face, (-down, -right), order=0, cval=UNKNOWN)
     covered = face != BACKGROUND
-    for offset in {_commonest((face - expected)[covered & (expected != BACKGROUND)]), 1, -1} - {0}:
+    apart = (face - expected)[covered & (expected != BACKGROUND)].tolist()
+    for offset in {mode([*apart, 0]), 1, -1} - {0}:
         way = "high" if offset > 0 else "low"
         # What was below 0 looks like the background.
         uncovered = np.where(expected < -offset, expected, BACKGROUND)
@@ -152,11 +156,6 @@ def _undone(face: Ints, expected: Ints, view: View | None) -> Iterator[tuple[str
     owner = None if view is None else view.tessellated().triangle_face
     if owner is not None and face.max() < len(owner):
         yield "triangles' numbers taken for faces", np.where(covered, owner[face], BACKGROUND)
-
-
-def _commonest(numbers: Ints) -> int:
-    values, counts = np.unique(numbers, return_counts=True)
-    return int(values[counts.argmax()]) if len(values) else 0
 
 
 def _shifts(face: Ints, expected: Ints) -> set[tuple[int, int]]:
@@ -170,17 +169,6 @@ def _shifts(face: Ints, expected: Ints) -> set[tuple[int, int]]:
         shift = phase_cross_correlation(level[face], level[expected], normalization=normalization)[0]
         found.add((int(shift[1]), int(shift[0])))
     return found - {(0, 0)}
-
-
-def _shifted(face: Ints, right: int, down: int) -> Ints:
-    """Move a picture; what comes in from outside is unknown."""
-    moved = np.full(face.shape, UNKNOWN, face.dtype)
-    moved[_part(down), _part(right)] = face[_part(-down), _part(-right)]
-    return moved
-
-
-def _part(shift: int) -> slice:
-    return slice(max(shift, 0), min(shift, 0) or None)
 
 
 def _made(right: Ints, view: View) -> Iterator[tuple[str, Ints]]:

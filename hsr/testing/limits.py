@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -34,10 +34,7 @@ NUMBERS: dict[str, tuple[Any, str]] = {
 }
 """Which numbers a limit may be."""
 
-PAIRS: dict[str, tuple[Callable[[int, int], bool], str]] = {
-    "max_in_window": (lambda side, most: side >= 1 and most >= 0, "(side, most), such as (8, 3)"),
-    "expect_diff": (lambda low, high: 0 <= low <= high, "(low, high), such as (10, 20)"),
-}
+PAIRS = {"max_in_window": "(side, most), such as (8, 3)", "expect_diff": "(low, high), such as (10, 20)"}
 """Which pairs of whole numbers a limit may be."""
 
 
@@ -93,10 +90,9 @@ class Limits:
             number = isinstance(value, kind) and not isinstance(value, bool)
             if value is not None and not (number and value >= 0):
                 raise CheckError(f"{name}={value!r}{self._by(name)}: expected {expected}")
-        for name, (makes_sense, expected) in PAIRS.items():
+        for name, expected in PAIRS.items():
             value = getattr(self, name)
-            pair = isinstance(value, tuple) and len(value) == 2 and all(type(one) is int for one in value)
-            if value is not None and not (pair and makes_sense(*value)):
+            if value is not None and not _is_pair(value, ordered=name == "expect_diff"):
                 raise CheckError(f"{name}={value!r}{self._by(name)}: expected {expected}")
         if self.model is None and any(getattr(self, name) is not None for name in PARAMETERS):
             raise CheckError(f"{', '.join(PARAMETERS)} belong to a model: name it, such as model='float32'")
@@ -122,6 +118,13 @@ class Limits:
     def told(self, name: str) -> str:
         """Return a limit with who set it: ``max_cluster=4 (marker)``."""
         return f"{name}={getattr(self, name)} ({self.origin.get(name, 'default')})"
+
+
+def _is_pair(value: Any, ordered: bool) -> bool:
+    """Tell whether it is a pair of whole numbers from 0: ordered, or the first of them at least 1."""
+    if not isinstance(value, tuple) or [type(one) for one in value] != [int, int]:
+        return False
+    return bool(0 <= value[0] <= value[1] if ordered else value[0] >= 1 and value[1] >= 0)
 
 
 def merged(sources: Iterable[tuple[str, Mapping[str, Any]]]) -> Limits:
