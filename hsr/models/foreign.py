@@ -30,6 +30,7 @@ PARAMETERS = ("subpixel_bits", "depth_format", "fill_rule")
 CANDIDATES: tuple[dict[str, Any], ...] = (
     {MODEL: "exact"},
     {MODEL: "opengl"},
+    {MODEL: "opengl", "depth_format": "d16"},
     {MODEL: "float32"},
     {MODEL: "float32", "subpixel_bits": 8},
     {MODEL: "float32", "subpixel_bits": 4},
