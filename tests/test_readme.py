@@ -17,6 +17,7 @@ from hsr.base.errors import UnavailableError
 from hsr.cli.app import app
 from hsr.lab.stability.cases import families, family_named
 from tests.lab.made_up import results, row
+from tests.proof_readme import NOT_RUN, commands, skipped
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -126,3 +127,9 @@ def test_the_test_of_another_renderer_runs(pytester: pytest.Pytester) -> None:
     pytester.makeini("[pytest]")
     pytester.runpytest("--hsr-update=new").assert_outcomes(failed=1)  # no baseline yet
     pytester.runpytest("--hsr-selfcheck").assert_outcomes(passed=1)
+
+
+def test_every_command_is_run_by_the_proof_or_said_not_to_be() -> None:
+    found = commands()
+    assert sum(not skipped(command) for command in found) > 15
+    assert [start for start in NOT_RUN if not any(command.startswith(start) for command in found)] == []
