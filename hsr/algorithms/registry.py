@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cache
 from importlib import import_module
-from importlib.metadata import entry_points, version
+from importlib.metadata import EntryPoint, entry_points, version
 from importlib.util import find_spec
 from typing import Any
 
-from hsr.base.errors import MethodError, named, nearest
+from hsr.base.errors import HsrError, MethodError, named, nearest
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View, view
 from hsr.scene.model import Camera, Scene
@@ -64,6 +64,8 @@ class Method:
         faces, or ``"nothing"``, so that no two that face the eye may overlap on the screen.
     asked_only : bool
         Whether it is run only when asked for by name.
+    broken : str
+        Why it cannot be used, of a method of another package; else empty.
     """
 
     name: str
@@ -79,6 +81,7 @@ class Method:
     growth: str = ""
     resolves: str = "depth"
     asked_only: bool = False
+    broken: str = ""
 
     def __post_init__(self) -> None:
         for name, known in (("growth", GROWTHS), ("resolves", RESOLVES)):
@@ -103,8 +106,18 @@ class Method:
 
     def render(self, view: View, **overrides: Any) -> VisibilityMap:
         """Run the method on a view; see :func:`render`."""
+        if self.broken:
+            raise MethodError(f"{self.name}: {self.broken}")
         options = self.options(**overrides)
-        answer: VisibilityMap = _part(self.module, "render")(view, options)
+        try:
+            answer: VisibilityMap = _part(self.module, "render")(view, options)
+        except Exception as error:
+            if self.ours or isinstance(error, HsrError):
+                raise
+            raise MethodError(f"{self.name}: it broke down: {_told(error)}") from error
+        size = (view.height, view.width)
+        if not isinstance(answer, VisibilityMap) or not answer.face.shape == answer.depth.shape == size:
+            raise MethodError(f"{self.name}: its answer is no map of {view.width}x{view.height} samples")
         return replace(answer, method=self.name, manifest=view.manifest, hashes=view.hashes)
 
     def warm_up(self, view: View) -> None:
@@ -291,11 +304,24 @@ def methods() -> dict[str, Method]:
     """
     found = {method.name: method for method in BUILT_IN}
     for entry in entry_points(group=ENTRY_POINTS):
-        method = entry.load()
-        if not isinstance(method, Method):
-            raise MethodError(f"entry point {entry.value} must be an hsr.Method, not {type(method).__name__}")
+        method = _registered(entry)
         found.setdefault(method.name, method)
     return found
+
+
+def _registered(entry: EntryPoint) -> Method:
+    """Return the method of another package, or one that says why there is none."""
+    try:
+        method = entry.load()
+        why = f"entry point {entry.value} must be an hsr.Method, not {type(method).__name__}"
+    except Exception as error:
+        method, why = None, f"entry point {entry.value} cannot be loaded: {_told(error)}"
+    return method if isinstance(method, Method) else Method(entry.name, why, entry.value, broken=why)
+
+
+def _told(error: Exception) -> str:
+    """Write in one line what another package raised."""
+    return " ".join(f"{type(error).__name__}: {error}".split())
 
 
 def method_named(name: str) -> Method:
@@ -322,7 +348,7 @@ def default_methods() -> list[str]:
     return [
         name
         for name, method in methods().items()
-        if ("-" not in name or method.needs or method.exhaustive) and not method.asked_only
+        if ("-" not in name or method.needs or method.exhaustive or method.broken) and not method.asked_only
     ]
 
 

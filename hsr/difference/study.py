@@ -15,7 +15,7 @@ from hsr.base.arrays import Array
 from hsr.base.errors import MethodError, UnavailableError
 from hsr.base.jit import is_compiled
 from hsr.base.store import Store
-from hsr.difference.cause import Causes, causes
+from hsr.difference.cause import Causes, causes, causes_by
 from hsr.difference.classes import Difference, compare
 from hsr.problem.geometry import digest_of
 from hsr.problem.map import VisibilityMap
@@ -230,7 +230,12 @@ def _answer(method: Method, problem: View, patient: bool, store: Store | None) -
 
 def _causes(problem: View, answer: VisibilityMap, truth: VisibilityMap, store: Store | None) -> Causes:
     """Look up why samples of a map are wrong, or find out."""
-    if store is None or not method_named(answer.method).ours:
+    if not method_named(answer.method).ours:
+        try:
+            return causes(problem, answer, truth)
+        except Exception:  # the models of another package may raise anything: it is as if there were none
+            return causes_by(None, problem, answer, truth)
+    if store is None:
         return causes(problem, answer, truth)
     shown = digest_of([answer.face.tobytes(), answer.depth.tobytes()])
     parts = ("causes", answer.method, problem.hashes, shown)

@@ -112,7 +112,7 @@ def test_other_packages_register_methods(monkeypatch: pytest.MonkeyPatch, make_s
     ours = Method("theirs", "somebody else's", "hsr.algorithms.scanline")
 
     class Entry:
-        value = "their.package:method"
+        name, value = "theirs", "their.package:method"
 
         def load(self) -> Any:
             return ours
@@ -126,7 +126,8 @@ def test_other_packages_register_methods(monkeypatch: pytest.MonkeyPatch, make_s
         monkeypatch.setattr(Entry, "load", lambda _self: "not a method")
         methods.cache_clear()
         with pytest.raises(MethodError, match=r"their\.package:method must be an hsr\.Method, not str"):
-            methods()
+            hsr.render(make_scene(CUBE), "theirs", size=(8, 8))
+        assert "theirs" in registry.default_methods()
     finally:
         methods.cache_clear()
 
