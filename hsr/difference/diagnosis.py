@@ -44,7 +44,8 @@ class Diagnosis(NamedTuple):
     explained : int
         Those of them that differ no more once it is undone; or that show what it makes a renderer show.
     left : int
-        Samples that differ then, whether they did before or not.
+        Samples that differ then, whether they did before or not; those that a shift has carried out of the
+        picture go on differing.
     """
 
     mistake: str
@@ -104,12 +105,10 @@ def diagnose(
     differs = ~expected.admits(shown.face) & ~rounded
     if not differs.any():
         return ()
-    found = [
-        _diagnosis(
-            mistake, differs & (face != UNKNOWN), ~expected.admits(face) & (face != UNKNOWN) & ~rounded
-        )
-        for mistake, face in _undone(shown.face, expected.face, view)
-    ]
+    found = []
+    for mistake, face in _undone(shown.face, expected.face, view):
+        after = np.where(face == UNKNOWN, differs, ~expected.admits(face))
+        found.append(_diagnosis(mistake, differs, after & ~rounded))
     if view is not None and min(one.left for one in found):
         right = drawn(view)
         for mistake, wrong in _made(right, view):
@@ -163,10 +162,11 @@ def _shifts(face: Ints, expected: Ints) -> set[tuple[int, int]]:
     from skimage.registration import phase_cross_correlation  # slow to import
 
     # Random levels in place of ids: faces of neighbouring ids are as unlike as any others.
-    level = np.random.default_rng(0).random(int(max(face.max(), expected.max())) + 2)
+    ids, number = np.unique([face, expected], return_inverse=True)
+    pictures = np.random.default_rng(0).random(len(ids))[number].reshape(2, *face.shape)
     found = {(right, down) for right in (-1, 0, 1) for down in (-1, 0, 1)}
     for normalization in ("phase", None):
-        shift = phase_cross_correlation(level[face], level[expected], normalization=normalization)[0]
+        shift = phase_cross_correlation(*pictures, normalization=normalization)[0]
         found.add((int(shift[1]), int(shift[0])))
     return found - {(0, 0)}
 
