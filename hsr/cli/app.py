@@ -29,6 +29,7 @@ from hsr.cli.lesson import lesson
 from hsr.cli.render import render
 from hsr.cli.scene import scene_app
 from hsr.cli.scenes import scenes
+from hsr.cli.schema import schema
 from hsr.cli.shrink import shrink
 from hsr.cli.stability import stability_app
 
@@ -39,7 +40,7 @@ app = Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 judged = (compare, diff, diagnose, explain, shrink)
-for verb in (demo, render, *judged, accept, report, lesson, gallery, scenes, algos, doctor):
+for verb in (demo, render, *judged, accept, report, lesson, gallery, scenes, algos, schema, doctor):
     # The sample -1,3 is outside the image, and no unknown option.
     app.command(context_settings={"ignore_unknown_options": verb in (explain, shrink)})(verb)
 for name, verbs in (("scene", scene_app), ("bench", bench_app), ("stability", stability_app)):

@@ -153,6 +153,7 @@ class Results(Record):
     """One run of a benchmark."""
 
     hsr: Literal[1]
+    format: Literal[1] = 1
     kind: Literal["bench"]
     date: str
     commit: str | None
