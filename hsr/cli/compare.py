@@ -26,6 +26,7 @@ def compare(
     ref: Annotated[str, Option(help="Reference method.")] = "exact",
     size: cli.Size = "512x512",
     output: Annotated[Path | None, cli.output("Write the report, .html.", ".html")] = None,
+    histories: Annotated[cli.Text, Option(help="Samples a scene that the report explains, or all.")] = None,
     fail_on: Annotated[cli.Text, Option(help="Classes of difference, comma separated: then exit 1.")] = None,
     fresh: Annotated[bool, Option("--fresh", help="Compute all anew; take nothing from the store.")] = False,
     as_json: cli.Json = False,
@@ -50,7 +51,7 @@ def compare(
     from hsr.base.store import Store
     from hsr.difference.study import study
 
-    forbidden = _classes(fail_on or "")
+    forbidden, explained = _classes(fail_on or ""), _histories(histories)
     loaded = [pair for path in scenes for pair in cameras.scenes(path.stem, hsr.load(path))]
     asked, names = cli.named(method), cli.names(method)
     store, ahead = Store(fresh=fresh), Ahead(scenes[0], [*names, ref])
@@ -66,7 +67,7 @@ def compare(
         if output is not None:
             from hsr.pages.report import write_report
 
-            write_report(studies, output, progress=step)
+            write_report(studies, output, progress=step, histories=explained)
     store.trim()
     if as_json:
         cli.print_json("compare", {"studies": [found.to_json() for found in studies]})
@@ -81,6 +82,15 @@ def compare(
     differences = [difference for found in studies for difference in found.differences.values()]
     if any(difference.counts[name] for difference in differences for name in forbidden):
         raise Exit(cli.DIFFERS)
+
+
+def _histories(text: str | None) -> int | None:
+    from hsr.pages.stories import HISTORIES
+
+    try:
+        return None if text == cli.ALL else int(text or HISTORIES)
+    except ValueError:
+        raise BadParameter(f"--histories {text!r}: write a number, or all") from None
 
 
 def _classes(text: str) -> list[str]:

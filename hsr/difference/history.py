@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import shlex
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property, partial
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -55,6 +57,37 @@ REASONS = {
 """What a stage does that makes a sample wrong."""
 
 
+INDENT = {"verdict": "    ", "missed": "  "}
+"""What the lines of a history begin with, by what they are."""
+
+
+@dataclass(frozen=True)
+class Said:
+    """A text by its facts.
+
+    Attributes
+    ----------
+    form : str
+        The words, with gaps as ``str.format`` fills them: ``{}``, or a number's ``{:.3g}``.
+    values : tuple of str, int or float
+        What stands in the gaps.
+    """
+
+    form: str
+    values: tuple[str | float, ...] = ()
+
+    def __str__(self) -> str:
+        return self.form.format(*self.values)
+
+    def __add__(self, other: Said) -> Said:
+        return Said(self.form + other.form, self.values + other.values)
+
+
+def say(form: str, *values: str | float) -> Said:
+    """Say something by a form and what stands in its gaps."""
+    return Said(form, values)
+
+
 Known = Mapping[str, Causes] | None
 """Causes of all wrong samples, by method, where they have been found already."""
 
@@ -72,18 +105,23 @@ class Entry:
         Depth in the window: 0 at near, 1 at far, affine on the screen. None if the sample is not in
         the face.
     judge : callable
-        From the layer to ``verdicts``, which are found when they are asked for.
+        From the layer to ``said``, which is found when it is asked for.
     """
 
     name: str
     layer: Layer
     window: Fraction | None
-    judge: Callable[[Layer], dict[str, str]]
+    judge: Callable[[Layer], dict[str, Said]]
 
     @cached_property
-    def verdicts(self) -> dict[str, str]:
-        """What became of it, by method."""
+    def said(self) -> dict[str, Said]:
+        """What became of it, by method, with the numbers."""
         return self.judge(self.layer)
+
+    @property
+    def verdicts(self) -> dict[str, str]:
+        """What became of it, by method, in words."""
+        return {method: str(verdict) for method, verdict in self.said.items()}
 
     @property
     def quantised(self) -> int | None:
@@ -121,7 +159,8 @@ class Story(NamedTuple):
         Whether the face is admissible.
     cause : str
         The stage of the method's pipeline that makes it wrong; empty if it is right.
-    sentence : str
+    said : Said
+        The sentence that tells all of it.
     """
 
     method: str
@@ -130,11 +169,18 @@ class Story(NamedTuple):
     depth: float
     right: bool
     cause: str
-    sentence: str
+    said: Said
+
+    @property
+    def sentence(self) -> str:
+        """All of it in words."""
+        return str(self.said)
 
     def to_json(self) -> dict[str, Any]:
         """Return all of it as JSON values."""
-        return self._asdict() | {"depth": self.depth if np.isfinite(self.depth) else None}
+        *facts, _ = self._asdict().items()
+        depth = self.depth if np.isfinite(self.depth) else None
+        return {**dict(facts), "depth": depth, "sentence": self.sentence}
 
 
 @dataclass(frozen=True)
@@ -175,66 +221,90 @@ class History:
             "methods": [story.to_json() for story in self.stories],
         }
 
-    def parts(self) -> dict[str, Any]:
-        """Return the text in its parts, as JSON values.
+    def lines(self) -> Iterator[tuple[str, Said]]:
+        """Yield the lines of the text, each with what it is.
 
-        Returns
-        -------
-        dict
-            ``headline``; ``faces`` that cover the sample, each with its ``line``, whether it is
-            ``admissible``, and its ``verdicts``: pairs of a verdict and the methods that gave it;
-            ``missed``, a line each; ``sentences``, one a method.
+        Yields
+        ------
+        kind : {"headline", "owner", "face", "verdict", "missed", "sentence"}
+            A face that covers the sample is an ``owner`` if it is admissible; its verdicts follow it.
+        said : Said
         """
         met = [entry for entry in self.entries if entry.layer.covered]
         missed = [entry for entry in self.entries if not entry.layer.covered]
-        more = [f"and {len(missed) - MISSES_TOLD} more"] if len(missed) > MISSES_TOLD else []
-        return {
-            "headline": self._headline(),
-            "faces": [self._told(entry) for entry in met],
-            "missed": [f"{x.name}  {x.layer.facing}{_edges(x)}" for x in missed[:MISSES_TOLD]] + more,
-            "sentences": [story.sentence for story in self.stories],
-        }
+        yield "headline", self._headline()
+        for entry in met:
+            yield from self._told(entry)
+        for entry in missed[:MISSES_TOLD]:
+            yield "missed", say("{}  {}", entry.name, entry.layer.facing) + _edges(entry)
+        if len(missed) > MISSES_TOLD:
+            yield "missed", say("and {} more", len(missed) - MISSES_TOLD)
+        yield from (("sentence", story.said) for story in self.stories)
 
     def _repr_html_(self) -> str:
         """Show the text in a notebook."""
         return Markup("<pre>{}</pre>").format(self)
 
     def __str__(self) -> str:
-        parts = self.parts()
-        lines = [parts["headline"], ""]
-        for face in parts["faces"]:
-            lines += [face["line"], *(f"    {verdict}: {methods}" for verdict, methods in face["verdicts"])]
-        if parts["missed"]:
-            lines += ["", MISSED, *(f"  {line}" for line in parts["missed"])]
-        return "\n".join([*lines, "", *parts["sentences"]])
+        told = [(kind, f"{INDENT.get(kind, '')}{said}") for kind, said in self.lines()]
+        (_, headline), *others = told
+        faces = [line for kind, line in others if kind in ("owner", "face", "verdict")]
+        missed = [line for kind, line in others if kind == "missed"]
+        beside = ["", MISSED, *missed] if missed else []
+        sentences = [line for kind, line in others if kind == "sentence"]
+        return "\n".join([headline, "", *faces, *beside, "", *sentences])
 
-    def _headline(self) -> str:
-        width, height = self.size
-        text = f"column {self.column}, row {self.row} of {width}x{height}: owned by {self.owner}"
+    def _headline(self) -> Said:
         others = [name for name in self.admissible.values() if name != self.owner]
-        return text + (f"; a tie with {', '.join(others)}" if others else "")
+        tie = say("; a tie with {}", ", ".join(others)) if others else say("")
+        place = say("column {}, row {} of {}x{}", self.column, self.row, *self.size)
+        return place + say(": owned by {}", self.owner) + tie
 
-    def _told(self, entry: Entry) -> dict[str, Any]:
+    def _told(self, entry: Entry) -> Iterator[tuple[str, Said]]:
         """Tell of a face that covers the sample: where it is, then what became of it."""
         depth, window = float(entry.layer.depth or 0), float(entry.window or 0)
-        numbers = f"depth {depth:.9g}  window {window:.9g}"
+        line = say("{}  {}  depth {:.9g}  window {:.9g}", entry.name, entry.layer.facing, depth, window)
         if entry.quantised is not None:
-            numbers += f"  D24 {entry.quantised}"
+            line += say("  D24 {}", entry.quantised)
         admissible = entry.layer.face in self.admissible
-        tie = "  admissible" if admissible and len(self.admissible) > 1 else ""
-        line = f"{entry.name}  {entry.layer.facing}  {numbers}{tie}{_edges(entry)}"
-        said = entry.verdicts
-        methods = {verdict: [name for name in said if said[name] == verdict] for verdict in said.values()}
-        verdicts = [[verdict, ", ".join(named)] for verdict, named in methods.items()]
-        return {"line": line, "admissible": admissible, "verdicts": verdicts}
+        if admissible and len(self.admissible) > 1:
+            line += say("  admissible")
+        yield "owner" if admissible else "face", line + _edges(entry)
+        words = entry.verdicts
+        for verdict, said in {words[method]: said for method, said in entry.said.items()}.items():
+            methods = ", ".join(method for method in words if words[method] == verdict)
+            yield "verdict", said + say(": {}", methods)
 
 
-def _edges(entry: Entry) -> str:
-    edges = ", ".join(f"{name} {distance:+.4g}" for name, distance in entry.layer.edges.items())
-    return f"  px to {edges}" if edges else ""
+def _edges(entry: Entry) -> Said:
+    edges = entry.layer.edges.items()
+    form = ", ".join(["{} {:+.4g}"] * len(edges))
+    return Said(f"  px to {form}" if edges else "", tuple(chain(*edges)))
 
 
 # ---------------------------------------------------------------- telling histories
+
+
+def explain(
+    scene: str, sample: str, size: tuple[int, int], camera: str = "", asked: Sequence[str] = ()
+) -> str:
+    """Return the command that tells the history of a sample, quoted for a shell.
+
+    Parameters
+    ----------
+    scene : str
+        Its file.
+    sample : str
+        Column and row: ``"311,204"``.
+    size : (width, height)
+    camera : str
+        Its name, empty for the first of the scene.
+    asked : sequence of str
+        Options that say what is asked: ``-a METHOD``, ``--map FILE``.
+    """
+    width, height = size
+    seen = ["--camera", camera] if camera else []
+    return shlex.join(["hsr", "explain", scene, sample, "--size", f"{width}x{height}", *seen, *asked])
 
 
 @sample_by_name
@@ -321,7 +391,7 @@ class Historian:
         told = [_Telling(self, sample, answer) for answer in self.maps]
         speakers = {telling.shows: telling for telling in told}
 
-        def verdicts(layer: Layer) -> dict[str, str]:
+        def verdicts(layer: Layer) -> dict[str, Said]:
             said = {shows: telling.verdict(layer) for shows, telling in speakers.items()}
             return {telling.answer.method: said[telling.shows] for telling in told}
 
@@ -400,71 +470,73 @@ class _Telling:
         self.modelled = DRIVER in answer.notes.get("driver", "")
         self.shows = self.face, None if self.covered else self.depth, self.modelled
 
-    def verdict(self, layer: Layer) -> str:
+    def verdict(self, layer: Layer) -> Said:
         """Say what became of one face."""
         if layer is self.shown:
-            return "won"
+            return say("won")
         first = layer is self.sightline.of(layer.face) and layer.face != self.face
         if first and {self.face, layer.face} <= self.sightline.admissible:
-            return "tie"
+            return say("tie")
         if layer.removed:
-            return GONE[layer.removed]
+            return say(GONE[layer.removed])
         if layer.facing == EDGE_ON:
-            return "edge-on"
+            return say("edge-on")
         if layer.depth is None:
             edge, distance = layer.nearest_edge
-            return f"not covered: {-distance:.3g} px outside {edge}"
+            return say("not covered: {:.3g} px outside {}", -distance, edge)
         drawn = self.drawn(layer.face)
         if drawn is not None and drawn.inside < 0.0:
-            return f"not covered: {_inside(drawn.inside)} {SNAPPED}"
+            return say("not covered: ") + _inside(drawn.inside) + say(f" {SNAPPED}")
         if self.face == BACKGROUND:
-            return "missed"
+            return say("missed")
         return self._compared(layer.depth)
 
-    def _compared(self, depth: Fraction) -> str:
+    def _compared(self, depth: Fraction) -> Said:
         """Compare a depth with that of the face shown: the exact one if it covers the sample."""
         shown = self.shown
         of_shown = self.depth if shown is None or shown.depth is None else shown.depth
         gap, name = float(depth - of_shown), self.name(self.face)
         if math.isnan(gap):
-            return f"passed over for {name}, whose depth is not told"
+            return say("passed over for {}, whose depth is not told", name)
         if gap > 0.0:
-            return f"lost depth to {name} by {gap:.3g}"
-        return f"passed over: {-gap:.3g} nearer than {name}" if gap else f"as deep as {name}"
+            return say("lost depth to {} by {:.3g}", name, gap)
+        nearer = say("passed over: {:.3g} nearer than {}", -gap, name)
+        return nearer if gap else say("as deep as {}", name)
 
     def story(self) -> Story:
         """Say whether the method is right, and if not, why."""
         method, name, owners = self.answer.method, self.name(self.face), len(self.sightline.admissible)
         cause = self.historian.cause(self.sample, self.answer)
         if cause == Cause.NONE:
-            tie = f", one of {owners} that may own it" if owners > 1 else ""
-            label, sentence = "", f"{method} is right: it shows {name}{tie}."
-        else:
-            label, because = cause.label, f"because {self._reason(cause)} ({cause.label})"
-            sentence = f"{method} shows {name} {because}; exactly, {self._truth()}."
-        return Story(method, self.face, name, self.depth, cause == Cause.NONE, label, sentence)
+            tie = say(", one of {} that may own it.", owners) if owners > 1 else say(".")
+            right = say("{} is right: it shows {}", method, name) + tie
+            return Story(method, self.face, name, self.depth, True, "", right)
+        because = say("{} shows {} because ", method, name) + self._reason(cause)
+        told = because + say(" ({}); exactly, ", cause.label) + self._truth() + say(".")
+        return Story(method, self.face, name, self.depth, False, cause.label, told)
 
-    def _truth(self) -> str:
+    def _truth(self) -> Said:
         """Say by what numbers the owner owns the sample, and the face shown does not."""
         shown, owner = self.shown, self.sightline.of(self.sightline.owner)
-        owns = "nothing covers it" if owner is None else f"{self.name(owner.face)} owns it"
+        owns = say("nothing covers it") if owner is None else say("{} owns it", self.name(owner.face))
         if shown is not None and shown.removed:
-            return f"it is {GONE[shown.removed]}, and {owns}"
+            return say(f"it is {GONE[shown.removed]}, and ") + owns
         if shown is not None and shown.depth is None and shown.edges:
             edge, distance = shown.nearest_edge
-            return f"the sample lies {-distance:.3g} px outside its {edge}, and {owns}"
+            return say("the sample lies {:.3g} px outside its {}, and ", -distance, edge) + owns
         if owner is None or owner.depth is None:
             return owns
         if shown is not None and shown.depth is not None:
-            return f"{self.name(owner.face)} is nearer by {float(shown.depth - owner.depth):.3g}"
+            return say("{} is nearer by {:.3g}", self.name(owner.face), float(shown.depth - owner.depth))
         edge, distance = owner.nearest_edge
-        return f"the sample lies {distance:.3g} px inside {edge} of {self.name(owner.face)}, which owns it"
+        inside = say("the sample lies {:.3g} px inside {} of ", distance, edge)
+        return inside + say("{}, which owns it", self.name(owner.face))
 
     def drawn(self, face: int) -> Drawn | None:
         """How the driver sees a face at the sample, where it is the one that is modelled."""
         return drawn_at(self.historian.view, face, self.sample) if self.modelled else None
 
-    def _reason(self, cause: Cause) -> str:
+    def _reason(self, cause: Cause) -> Said:
         """Say what went wrong, by the numbers of the method's own model if it has some."""
         shown, owner = self.drawn(self.face), self.drawn(self.sightline.owner)
         name = self.name(self.sightline.owner)
@@ -473,24 +545,25 @@ class _Telling:
         if cause in (Cause.VERTEX_SNAPPING, Cause.FILL_RULE):
             drawn, what = (owner, name) if shown is None or self.covered else (shown, "it")
             if drawn is not None:
-                return f"{SNAPPED} the sample lies {_inside(drawn.inside)} {what}"
+                return say(f"{SNAPPED} the sample lies ") + _inside(drawn.inside) + say(" {}", what)
         if cause in (Cause.DEPTH_ARITHMETIC, Cause.DEPTH_FORMAT) and shown is not None and owner is not None:
-            first = ", and it was drawn first" if shown.level == owner.level else ""
-            return f"its depth is stored as {shown.level} and that of {name} as {owner.level}{first}"
-        return REASONS[cause]
+            first = say(", and it was drawn first" if shown.level == owner.level else "")
+            stored = say("its depth is stored as {} and that of {} as {}", shown.level, name, owner.level)
+            return stored + first
+        return say(REASONS[cause])
 
-    def _tessellated(self, name: str) -> str:
+    def _tessellated(self, name: str) -> Said:
         """Say how the polygons lie that stand for the owner."""
-        polygons = f"the polygons of {self.historian.view.segments} sides that stand for "
+        polygons = say("the polygons of {} sides that stand for ", self.historian.view.segments)
         layers = self.historian.tessellated[self.sample].layers
         own = [layer for layer in layers if layer.face == self.sightline.owner and layer.edges]
         if not own or any(layer.covered for layer in own):
-            return f"{polygons}curved shapes lie elsewhere"
+            return polygons + say("curved shapes lie elsewhere")
         missed = min(-layer.nearest_edge[1] for layer in own)
-        return f"{polygons}{name} miss the sample by {missed:.3g} px"
+        return polygons + say("{} miss the sample by {:.3g} px", name, missed)
 
 
-def _inside(distance: float) -> str:
+def _inside(distance: float) -> Said:
     if distance == 0.0:
-        return "on an edge of"
-    return f"{abs(distance):.3g} px {'inside' if distance > 0 else 'outside'}"
+        return say("on an edge of")
+    return say(f"{{:.3g}} px {'inside' if distance > 0 else 'outside'}", abs(distance))

@@ -17,6 +17,7 @@ from hsr.base.jit import is_compiled
 from hsr.base.store import Store
 from hsr.difference.cause import Causes, causes, causes_by
 from hsr.difference.classes import Difference, compare
+from hsr.difference.history import explain
 from hsr.problem.geometry import digest_of
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View, view
@@ -82,6 +83,17 @@ class Study:
     differences: dict[str, Difference]
     causes: dict[str, Causes]
     agreement: Array
+
+    @property
+    def command(self) -> str:
+        """The command that tells the history of a sample, X,Y in its place; empty if none can."""
+        file, cameras = self.scene.file, self.scene.cameras_of_file
+        seen = [camera for camera in self.scene.camera if camera.name == self.camera and camera in cameras]
+        if not file or not seen:
+            return ""
+        camera = "" if seen[0] == cameras[0] else self.camera
+        asked = [word for name in self.maps for word in ("-a", name)]
+        return explain(file, "X,Y", (self.view.width, self.view.height), camera, asked)
 
     def to_json(self) -> dict[str, Any]:
         """Return the study as JSON values, without the maps themselves."""

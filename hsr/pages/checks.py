@@ -18,8 +18,8 @@ from hsr.pages.stories import Shown
 from hsr.pictures.maps import face_picture
 from hsr.pictures.png import data_uri
 
-DIGITS = 50_000
-"""How many digits the histories of a failed check may have: 20 kB and half a second, however many fail."""
+HISTORIES = 40
+"""How many samples of a failed check have their history in the page."""
 
 
 def write_page(
@@ -53,17 +53,19 @@ def write_page(
     sheet, scripts = style("inspector.css", "checks.css"), ["viewer.js", "decisions.js"]
     causes = sorted({cause for check in shown for cause in check["counts"]})
     told = {"checks": shown, "causes": causes, "run": run, "unused": unused, **inspected(data)}
-    text = page("checks", "Visibility checks", sheet, scripts if data else scripts[1:], **told)
+    text = page("checks", path, "Visibility checks", sheet, scripts if data else scripts[1:], **told)
     write_whole(path, text, "the page")
 
 
-def kept(shown: Shown) -> dict[str, Any]:
+def kept(shown: Shown, linked: Sequence[tuple[int, int]] = ()) -> dict[str, Any]:
     """Gather what the page keeps of the maps of a failed check, for :func:`write_page`.
 
     Parameters
     ----------
     shown : Shown
         By the key of the check.
+    linked : sequence of (row, column)
+        Samples that the page or a message leads to.
 
     Returns
     -------
@@ -77,7 +79,7 @@ def kept(shown: Shown) -> dict[str, Any]:
     picture = face_picture(map.face) if shown.view is None else shade(map, shown.view)
     thumbs = [(base, "faces" if shown.view is None else "picture", data_uri(picture))]
     thumbs += [(name, "where it differs", data_uri(it.picture())) for name, it in shown.differences.items()]
-    told: dict[str, Any] = {"scene": inspection(shown, DIGITS), "thumbs": thumbs, "beside": []}
+    told: dict[str, Any] = {"scene": inspection(shown, HISTORIES, linked), "thumbs": thumbs, "beside": []}
     if (other := shown.beside) is not None:
         told["beside"] = [(f"expected, {other.width}x{other.height}", data_uri(face_picture(other.face)))]
     return told

@@ -7,16 +7,28 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import os
 from collections.abc import Callable, Mapping, Sequence
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+PAGES = {
+    "Report": "lab.html",
+    "Sample report": "sample.html",
+    "Scenes": "gallery/index.html",
+    "Lessons": "lessons/index.html",
+    "Stability": "stability/index.html",
+}
+"""The project's pages, by where they lie in a folder of reports."""
+
 
 def page(
     name: str,
+    path: str | Path | None,
     title: str,
     sheet: Markup,
     scripts: Sequence[str] = (),
@@ -31,6 +43,8 @@ def page(
     ----------
     name : str
         Of its template, without the ending.
+    path : str, Path or None
+        Where it will lie: it leads to the other pages of the project that lie about it.
     sheet : Markup
         Its styles; see :func:`style`.
     scripts : sequence of str
@@ -53,7 +67,20 @@ def page(
     code = " ".join(map(_hash, texts)) or "'none'"
     policy = f"default-src 'none'; img-src {images}; style-src {styles}; script-src {code}"
     template = environment.get_template(f"{name}.html")
-    return template.render(title=title, style=sheet, scripts=texts, policy=policy, **shown)
+    around = {
+        "siblings": _siblings(Path(path).absolute().parent) if path else {},
+        "here": path and Path(path).name,
+    }
+    return template.render(title=title, style=sheet, scripts=texts, policy=policy, **around, **shown)
+
+
+def _siblings(folder: Path) -> dict[str, str]:
+    """Find the project's pages in the reports that a folder is part of, as its pages lead to them."""
+    for root in (folder, folder.parent):
+        found = {name: root / place for name, place in PAGES.items() if (root / place).is_file()}
+        if found:
+            return {name: Path(os.path.relpath(file, folder)).as_posix() for name, file in found.items()}
+    return {}
 
 
 def style(*own: str) -> Markup:

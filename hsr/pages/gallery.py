@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from PIL import Image
@@ -73,8 +74,9 @@ def write_gallery(
         shown.append((found, _wrong(found)))
     save_picture(overview(list(scenes.values())), folder / "overview.png")
     sheet, own = style("gallery.css"), "'self' file:"
-    text = page("gallery", "The scenes", sheet, images=own, shown=shown, size=size, turning=turning)
-    write_whole(folder / "index.html", text, "the gallery")
+    told: dict[str, Any] = {"shown": shown, "size": size, "turning": turning}
+    path = folder / "index.html"
+    write_whole(path, page("gallery", path, "The scenes", sheet, images=own, **told), "the gallery")
 
 
 def _wrong(found: Study) -> dict[str, int]:

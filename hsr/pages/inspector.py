@@ -1,13 +1,13 @@
 """All that the inspector knows of one scene: what is shown at every sample, and the stories of some.
 
-Most methods agree at most samples. So the map of one of them, the *base*, is kept whole, and of every other
-only the samples of another class than *same*: where it shows another face, or a depth further from the base's
-than rounding explains. Elsewhere its depths are given as those of the base.
+Most methods agree at most samples. So the map of one of them, the *base*, is kept whole, and every other as
+it differs from the one before it that it is most like. Where its class is *same*, its depths are within
+rounding of the base's, and given as those.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 from urllib.parse import urlencode
 
@@ -19,19 +19,22 @@ from hsr.difference.history import MISSED
 from hsr.difference.study import Study
 from hsr.pages.outlines import outlines
 from hsr.pages.overlays import SMALLEST, Drawn
-from hsr.pages.packing import pack, pack_alike, pack_json
+from hsr.pages.packing import pack, pack_json, pack_told
 from hsr.pages.shading import facing
-from hsr.pages.stories import DIGITS, Shown, stories
+from hsr.pages.stories import CLUSTERS, HISTORIES, Shown, stories
 from hsr.pictures.maps import depth_shares, depth_span
-from hsr.pictures.palette import CAUSE_COLOURS, CLASS_COLOURS, face_colours, to_bytes
+from hsr.pictures.palette import CAUSE_COLOURS, CLASS_COLOURS, NEUTRAL, PLASTIC, to_bytes
 from hsr.problem.map import BACKGROUND, VisibilityMap
 from hsr.problem.view import View
 
-CLUSTERS = 200
-"""How many clusters of a method can be walked through."""
-
-FARTHEST, EMPTY = 2**14 - 2, 2**14 - 1
+FARTHEST, EMPTY = 2**9 - 2, 2**9 - 1
 """Levels in which depths are kept for pictures: from 0 at the nearest to FARTHEST; EMPTY is no depth."""
+
+FINE = 32
+"""Steps of a pixel in which the ends of edges are kept."""
+
+NEAR_ENOUGH = 2**24
+"""Pixels from the corner of the image within which they are."""
 
 CLASS_LETTERS = "MEWDT"
 CAUSE_LETTERS = "TIRCSFADVNO?"
@@ -74,7 +77,8 @@ def key() -> dict[str, Any]:
         ``classes`` and ``causes`` by number, each with ``label``, ``letter`` and ``colour``, None for 0;
         ``facing``: colours of front and back; ``ramp``: colours of complexity and size, from the least
         up; ``farthest`` and ``empty``: levels of depth; ``smallest``: the power of two of size 0;
-        ``missed``: the words above faces beside the sample.
+        ``missed``: the words above faces beside the sample; ``plastic`` and ``neutral``: what colours of
+        faces are made of, see :func:`hsr.pictures.palette.face_colours`; ``fine``: steps of a pixel.
     """
     from matplotlib import colormaps  # only pages need it, and it takes long to load
 
@@ -87,6 +91,9 @@ def key() -> dict[str, Any]:
         "empty": EMPTY,
         "smallest": SMALLEST,
         "missed": MISSED,
+        "plastic": PLASTIC,
+        "neutral": NEUTRAL,
+        "fine": FINE,
     }
 
 
@@ -118,15 +125,20 @@ def fragment(scene: str, method: str, sample: tuple[int, int] | None = None) -> 
     return f"#{urlencode(named, safe='/')}"
 
 
-def inspection(study: Study | Shown, most: int = DIGITS) -> dict[str, Any]:
+def inspection(
+    study: Study | Shown, most: int | None = HISTORIES, linked: Sequence[tuple[int, int]] = ()
+) -> dict[str, Any]:
     """Gather what the inspector shows of a study.
 
     Parameters
     ----------
     study : Study or Shown
         With one map at least.
-    most : int
-        How many digits the histories may have; no more are told then.
+    most : int or None
+        How many samples have their history told, None for all that differ or lie beside one that does. The
+        largest clusters of every method have theirs in any case.
+    linked : sequence of (row, column)
+        Other samples that have theirs in any case.
 
     Returns
     -------
@@ -137,40 +149,43 @@ def inspection(study: Study | Shown, most: int = DIGITS) -> dict[str, Any]:
           below called ``sizes``, ``facing``, ``complexity``, ``edges`` and ``hidden``;
         * ``base``: place among the methods of the one whose map is whole, the reference if there is one;
           ``judged``: whether there is;
-        * ``names`` (n,), deflated JSON, and ``colours`` (n, 3) of the faces that some method shows,
-          ascending, the background first: what ``index`` counts; ``sizes`` (n - 1,) of all but the
-          background, see :meth:`Drawn.sizes`;
+        * ``faces`` (n,): the ids that some method shows, ascending, the background first: what ``index``
+          counts; ``manifest``, deflated JSON: their names; ``sizes`` (n - 1,) of all but the background, see
+          :meth:`Drawn.sizes`;
         * ``index`` (H, W) and ``depth`` (H, W): what the base shows; depth in levels of ``span``, the
           nearest and the farthest depth;
         * ``facing`` (1 front, 2 back) and ``complexity`` (H, W) of the base;
-        * ``edges`` of the faces that the base shows, and ``hidden`` of others in a history: ``points`` and
-          ``ends``, see :func:`outlines`;
-        * ``methods``: ``name``; ``differs``, a bit a sample in reading order, and of the samples (k,) that
-          differ from the base how much more ``index`` and ``depth`` are than those of the base, class
-          and cause; ``clusters``, each its first row and column, then its box;
-        * ``told``: the numbers of samples (k,), ascending, whose history is told; ``stories``: the parts
-          of each, packed by :func:`hsr.pages.packing.pack_alike`; ``wanted``: how many samples differ or
-          lie beside one that does; ``untold``: what keeps histories from being told at all.
+        * ``edges`` of the faces that the base shows, and ``hidden`` of others in a history: ``points`` (2, p)
+          and ``ends`` (2, m), see :func:`outlines`, points in steps of ``1 / FINE`` pixel;
+        * ``methods``: ``name``; ``like``: what comes before it that it is most like, 0 for the base, k for
+          method k - 1; ``differs``, a bit a sample in reading order, and of the samples (k,) that differ
+          from that, ``index``, ``depth``, ``classes`` and ``causes``; ``clusters``, deflated JSON: of each
+          its first row and column, then its box;
+        * ``told``: the numbers of samples (k,), ascending, whose history is told; ``stories``: the facts
+          of each, packed by :func:`hsr.pages.packing.pack_told`; ``wanted``: how many samples differ or
+          lie beside one that does; ``untold``: what keeps histories from being told at all; ``command``: what
+          tells the history of any sample, with X,Y in its place.
     """
     base = _Whole(study)
-    told = stories(study, most)
+    told = stories(study, most, linked)
     return {
         "name": study.name,
         "size": [base.map.width, base.map.height],
         "drawn": study.view is not None,
         "base": list(study.maps).index(base.name),
         "judged": study.reference is not None,
-        "names": pack_json([base.map.name_of(face) for face in base.faces.tolist()]),
-        "colours": pack(face_colours(base.faces)),
+        "faces": pack(base.faces, 0),
+        "manifest": pack_json(base.map.manifest),
         "index": pack(base.index, 0),
         "span": base.span,
-        "depth": pack(base.depth, 1, 0),
+        "depth": pack(base.depth, 1),
         **_drawing(study.view, base, told.faces),
-        "methods": [_method(study, name, map, base) for name, map in study.maps.items()],
-        "told": pack(np.array(list(told.parts), dtype=np.uint32), 0),
-        "stories": pack_alike(told.parts.values()),
+        "methods": list(_methods(study, base)),
+        "told": pack(np.array(list(told.lines), dtype=np.uint32), 0),
+        "stories": pack_told(told.lines.values()),
         "wanted": told.wanted,
         "untold": told.obstacle,
+        "command": study.command,
     }
 
 
@@ -194,14 +209,13 @@ class _Whole:
         shown = [np.unique(map.face) for map in study.maps.values()]
         self.faces = np.unique(np.concatenate([[BACKGROUND], *shown])).astype(np.int32)
         self.span = depth_span(self.map.depth)
-        index, depth = self.of(self.map, np.arange(self.map.face.size))
-        self.index, self.depth = index.reshape(self.map.face.shape), depth.reshape(self.map.face.shape)
+        self.index, self.depth = self.of(self.map)
 
-    def of(self, map: VisibilityMap, samples: Array) -> tuple[Array, Array]:
-        """Return index and depth of the numbered samples (k,) of a map."""
-        index = np.searchsorted(self.faces, map.face.ravel()[samples])
+    def of(self, map: VisibilityMap) -> tuple[Array, Array]:
+        """Return index and depth (H, W) of a map."""
+        index = np.searchsorted(self.faces, map.face)
         narrow = np.uint16 if len(self.faces) <= 2**16 else np.uint32
-        share = depth_shares(map.depth.ravel()[samples], self.span)
+        share = depth_shares(map.depth, self.span)
         level = np.where(np.isnan(share), EMPTY, np.rint(FARTHEST * share)).astype(np.uint16)
         return index.astype(narrow), level
 
@@ -223,24 +237,34 @@ def _drawing(view: View | None, base: _Whole, told: Ints) -> dict[str, Any]:
 
 def _edges(view: View, faces: Ints) -> dict[str, Any]:
     points, ends = outlines(view, faces)
-    return {"points": pack(points), "ends": pack(ends, 0)}
+    places = FINE * points.T
+    if np.abs(points).max(initial=0.0) < NEAR_ENOUGH:
+        places = np.rint(places).astype(np.int32)
+    return {"points": pack(places, *([1] if places.dtype == np.int32 else [])), "ends": pack(ends.T, 1)}
 
 
-def _method(study: Study | Shown, name: str, map: VisibilityMap, base: _Whole) -> dict[str, Any]:
-    """Gather what one method shows differently."""
-    difference, why = study.differences.get(name), study.causes.get(name)
-    none = np.zeros(map.face.shape, dtype=np.uint8)
-    classes = none if difference is None else difference.classes
-    differs = (map.face != base.map.face) | (classes > SampleClass.SAME)
-    samples = np.flatnonzero(differs)
-    index, depth = base.of(map, samples)
-    clusters = () if difference is None else difference.clusters[:CLUSTERS]
-    return {
-        "name": name,
-        "differs": pack(np.packbits(differs)),
-        "index": pack(index - base.index.ravel()[samples]),
-        "depth": pack(depth - base.depth.ravel()[samples]),
-        "classes": pack(classes.ravel()[samples]),
-        "causes": pack((none if why is None else why.cause).ravel()[samples]),
-        "clusters": [[*cluster.sample, *cluster.box] for cluster in clusters],
-    }
+def _methods(study: Study | Shown, base: _Whole) -> Iterator[dict[str, Any]]:
+    """Yield what each method shows, by how it differs from the one before it that it is most like."""
+    none = np.zeros_like(base.map.face, dtype=np.uint8)
+    before = [(base.index, base.depth, none, none)]
+    for name, map in study.maps.items():
+        difference, why = study.differences.get(name), study.causes.get(name)
+        classes = none if difference is None else difference.classes
+        index, depth = base.of(map)
+        same = (classes == SampleClass.SAME) & (map.face == base.map.face)
+        shown = (index, np.where(same, base.depth, depth), classes, none if why is None else why.cause)
+        apart = [np.any([a != b for a, b in zip(shown, other, strict=True)], axis=0) for other in before]
+        like = int(np.argmin([np.count_nonzero(differs) for differs in apart]))
+        index, depth, classes, why_of = (part[apart[like]] for part in shown)
+        clusters = () if difference is None else difference.clusters[:CLUSTERS]
+        before.append(shown)
+        yield {
+            "name": name,
+            "like": like,
+            "differs": pack(np.packbits(apart[like])),
+            "index": pack(index, 0),
+            "depth": pack(depth, 0),
+            "classes": pack(classes),
+            "causes": pack(why_of),
+            "clusters": pack_json([[*cluster.sample, *cluster.box] for cluster in clusters]),
+        }

@@ -28,7 +28,7 @@ def write_lesson(topic: Topic, path: str | Path, scene: Scene | None = None) -> 
         If the scene is too large to be recorded, or the file cannot be written.
     """
     told: dict[str, Any] = {"lead": topic.lead, "recording": pack_json(lesson_of(topic, scene))}
-    text = page("lesson", topic.title, style("lesson.css"), ["lesson.js"], **told)
+    text = page("lesson", path, topic.title, style("lesson.css"), ["lesson.js"], **told)
     write_whole(path, text, "the lesson")
 
 
@@ -49,5 +49,6 @@ def write_course(course: Mapping[str, Topic], folder: str | Path) -> None:
     """
     for name, topic in course.items():
         write_lesson(topic, Path(folder, f"{name}.html"))
-    text = page("course", "Which surface does the eye see? A course", style("course.css"), course=course)
-    write_whole(Path(folder, "index.html"), text, "the list of lessons")
+    path = Path(folder, "index.html")
+    title = "Which surface does the eye see? A course"
+    write_whole(path, page("course", path, title, style("course.css"), course=course), "the list of lessons")

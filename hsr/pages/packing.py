@@ -1,22 +1,24 @@
 """Arrays and texts as short text in a page: differences along axes, deflated, in base64.
 
 A browser takes them apart by ``atob`` and ``DecompressionStream``, and sums the differences up again.
-Texts that differ in their numbers alone are kept once, and the numbers in columns, whose digits are much
-alike.
+Histories are kept as facts: their words once, and in columns what stands in the gaps between.
 """
 
 from __future__ import annotations
 
 import base64
 import json
-import re
+import math
 import zlib
-from collections.abc import Iterable
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from string import Formatter
 from typing import Any
 
 import numpy as np
 
 from hsr.base.arrays import Array
+from hsr.difference.history import Said
 
 LEVEL = 9
 """Of deflate: a page is written once and kept."""
@@ -51,51 +53,48 @@ def pack_json(value: Any) -> str:
     return _deflated(json.dumps(value, ensure_ascii=False, separators=(",", ":")).encode("utf-8"))
 
 
-NUMBER = re.compile(r"[0-9]+")
-"""What is taken out of texts: digits in a row."""
-
-GAP = "\0"
-"""Stands in their place."""
-
-
-def pack_alike(values: Iterable[Any]) -> str:
-    """Pack JSON values that are alike: lists and objects of many texts, few of them new but for numbers.
+def pack_told(histories: Iterable[Iterable[tuple[str, Said]]]) -> str:
+    """Pack the lines of histories as their facts, in columns: each form once, and what stands in its gaps.
 
     Parameters
     ----------
-    values : iterable of JSON values
-        Of lists, objects, texts and truth values, but no numbers.
+    histories : iterable of iterable of (str, Said)
+        By :meth:`hsr.difference.history.History.lines`.
 
     Returns
     -------
     str
-        By :func:`pack_json`: ``texts``, each once, with gaps for numbers; ``columns``, for each text and each
-        of its gaps the numbers, in the order in which the texts are come to; ``forms``, each once, with
-        places among the texts in place of texts; ``values``, the place of each one's form.
+        By :func:`pack_json`: ``forms``, each a kind of line and a form; ``columns``, for each form and
+        each of its gaps the texts or numbers, to the digits that the form shows, in the order of the lines;
+        ``lines``, for each history the places of its lines' forms.
     """
-    texts: dict[str, int] = {}
-    rows: list[list[list[str]]] = []
-    forms: dict[str, int] = {}
-
-    def formed(value: Any) -> Any:
-        if isinstance(value, str):
-            place = texts.setdefault(NUMBER.sub(GAP, value), len(texts))
-            rows.extend([] for _ in range(len(texts) - len(rows)))
-            rows[place].append(NUMBER.findall(value))
-            return place
-        if isinstance(value, dict):
-            return {key: formed(part) for key, part in value.items()}
-        return [formed(part) for part in value] if isinstance(value, list) else value
-
-    places = [forms.setdefault(json.dumps(formed(value)), len(forms)) for value in values]
-    columns = [[" ".join(column) for column in zip(*row, strict=True)] for row in rows]
-    kept = {"texts": list(texts), "columns": columns, "forms": list(map(json.loads, forms)), "values": places}
-    return pack_json(kept)
+    rows: dict[tuple[str, str], list[tuple[Any, ...]]] = defaultdict(list)
+    order: list[list[tuple[str, str]]] = []
+    for lines in histories:
+        order.append([])
+        for kind, said in lines:
+            order[-1].append((kind, said.form))
+            rows[kind, said.form].append(said.values)
+    place = {form: k for k, form in enumerate(rows)}
+    packed = {
+        "forms": list(rows),
+        "columns": [_columns(form, values) for (_, form), values in rows.items()],
+        "lines": [[place[form] for form in lines] for lines in order],
+    }
+    return pack_json(packed)
 
 
-def digits(value: Any) -> int:
-    """Count the digits in JSON values; packed alike, a text takes 0.4 bytes for each, and little more."""
-    return sum(map(len, NUMBER.findall(json.dumps(value, ensure_ascii=False))))
+def _columns(form: str, rows: Sequence[tuple[Any, ...]]) -> list[list[Any]]:
+    """Return what stands in each gap of a form, line by line, numbers rounded as the form rounds them."""
+    specs = [spec for _, gap, spec, _ in Formatter().parse(form) if gap is not None]
+    columns = zip(specs, zip(*rows, strict=True), strict=True)
+    return [[_shown(spec or "", value) for value in column] for spec, column in columns]
+
+
+def _shown(spec: str, value: Any) -> Any:
+    if not isinstance(value, float):
+        return value
+    return float(format(value, spec)) if math.isfinite(value) else format(value, spec)
 
 
 def _deflated(data: bytes) -> str:

@@ -5,14 +5,17 @@ from __future__ import annotations
 import math
 import os
 import platform
+from collections import Counter
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
+from itertools import accumulate
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from markupsafe import Markup
 
+from hsr.algorithms.registry import methods
 from hsr.base.errors import HsrError
 from hsr.base.files import write_whole
 from hsr.difference.classes import DIFFERENT, SampleClass
@@ -21,14 +24,11 @@ from hsr.models.stages import Cause
 from hsr.pages.frame import page, style
 from hsr.pages.inspector import fragment, inspected, inspection
 from hsr.pages.shading import shade
-from hsr.pages.stories import DIGITS
-from hsr.pictures.palette import CLASS_COLOURS
+from hsr.pages.stories import HISTORIES, LISTED
+from hsr.pictures.palette import CAUSE_COLOURS, CLASS_COLOURS
 from hsr.pictures.png import data_uri
 
 TITLE = "Which surface does the eye see?"
-
-ALL_DIGITS = 12_000_000
-"""How many digits the histories of all scenes of a page may have, shared out evenly: 5 MB."""
 
 PACKAGES = ("hsr-lab", "numpy", "numba", "scipy", "moderngl")
 """Whose versions a report names, besides Python's."""
@@ -40,6 +40,7 @@ def write_report(
     title: str = TITLE,
     progress: Progress | None = None,
     pending: Sequence[str] = (),
+    histories: int | None = HISTORIES,
 ) -> None:
     """Write :func:`report_page` as a file.
 
@@ -56,7 +57,7 @@ def write_report(
     HsrError
         If there is nothing to report, or the file cannot be written.
     """
-    write_whole(path, report_page(studies, title, progress, pending), "the report")
+    write_whole(path, report_page(studies, title, progress, pending, histories, path), "the report")
 
 
 def report_page(
@@ -64,6 +65,8 @@ def report_page(
     title: str = TITLE,
     progress: Progress | None = None,
     pending: Sequence[str] = (),
+    histories: int | None = HISTORIES,
+    path: str | Path | None = None,
 ) -> str:
     """Return a report on several studies as one HTML page that needs no network.
 
@@ -77,10 +80,15 @@ def report_page(
     title : str
         What the page is headed by.
     progress : callable, optional
-        Called with a study's name before the histories of its samples are told, which takes seconds.
+        Called with a study's name before the histories of its samples are told.
     pending : sequence of str
         What is still to come, as the page says it: names of methods or scenes. A study's method that is named
         here is marked so in the tables.
+    histories : int or None
+        How many samples of each scene have their history in the page, None for all that differ or lie beside
+        one that does; those that the page links to have theirs in any case.
+    path : str or Path, optional
+        Where the page will lie, for links to the project's other pages.
 
     Raises
     ------
@@ -96,18 +104,25 @@ def report_page(
     for found in studies:
         if progress is not None:
             progress(f"histories of {found.name}")
-        data.append(inspection(found, min(DIGITS, ALL_DIGITS // len(studies))))
-    return _page(studies, title, data, pending)
+        data.append(inspection(found, histories))
+    return _page(studies, path, title, data, pending)
 
 
 def _page(
-    studies: Sequence[Study], title: str, data: Sequence[dict[str, Any]], pending: Sequence[str]
+    studies: Sequence[Study],
+    path: str | Path | None,
+    title: str,
+    data: Sequence[dict[str, Any]],
+    pending: Sequence[str],
 ) -> str:
     known = dict.fromkeys(name for found in studies for name in found.causes)
     causes = {name: causes_of(studies, name) for name in known}
-    colours = (f".class-{kind:d} {{ background: rgb{CLASS_COLOURS[kind.label]}; }}\n" for kind in ABOUT)
+    kinds = [(f"class-{kind:d}", CLASS_COLOURS[kind.label]) for kind in ABOUT]
+    kinds += [(f"cause-{kind:d}", CAUSE_COLOURS[kind.label]) for kind in Cause if kind]
+    colours = (f".{name} {{ background: rgb{colour}; }}\n" for name, colour in kinds)
     return page(
         "report",
+        path,
         title,
         style("inspector.css", "report.css") + Markup("".join(colours)),
         [*(["viewer.js"] if data else []), *(["reload.js"] if pending else [])],
@@ -120,10 +135,16 @@ def _page(
         causes=causes,
         unexplained=Cause.UNEXPLAINED.label,
         stages=[cause.label for cause in Cause if any(why[cause.label] for why in causes.values())],
+        numbers={cause.label: int(cause) for cause in Cause},
+        causes_in=_causes_in,
+        bad=_bad,
+        told=_told,
+        sentence=_sentence,
         extent=_extent,
         expected=_expected,
         flat=any(_expected(found, name) for found in studies for name in found.differences),
         fragment=fragment,
+        listed=LISTED,
         shade=shade,
         date=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         environment=_environment(studies),
@@ -146,6 +167,70 @@ ABOUT = {
 def _expected(study: Study, name: str) -> bool:
     """Whether exactly one of a method and the reference puts polygons in place of curved shapes."""
     return (name in study.tessellating) != (study.reference in study.tessellating)
+
+
+def _bad(study: Study, name: str) -> bool:
+    """Whether a method shows other faces, and mostly for another reason than that it was asked to."""
+    why = study.causes.get(name)
+    if why is None or not why.wrong:
+        return not (study.differences[name].same or _expected(study, name))
+    return 2 * why.counts.get(Cause.TESSELLATION.label, 0) < why.wrong
+
+
+class Share(NamedTuple):
+    """The part that a cause has in the wrong samples of a method."""
+
+    cause: str
+    samples: int
+    start: float
+    share: float
+    colour: str
+
+
+def _causes_in(study: Study, name: str) -> list[Share]:
+    """Return what makes a method wrong, the commonest first."""
+    why = study.causes.get(name)
+    counts = Counter(why.counts).most_common() if why else []
+    starts = accumulate((count for _, count in counts), initial=0)
+    total = max(why.wrong, 1) if why else 1
+    return [
+        Share(cause, count, start / total, count / total, "#{:02x}{:02x}{:02x}".format(*CAUSE_COLOURS[cause]))
+        for (cause, count), start in zip(counts, starts, strict=False)
+    ]
+
+
+def _told(study: Study, name: str) -> str:
+    """Say how often a method is wrong, and why: ``61 of 262,144 wrong, all by vertex snapping``."""
+    found, parts = study.differences[name], _causes_in(study, name)
+    if not parts:
+        return f"{found.different:,} of {found.total:,} differ"
+    most = "" if parts[0].cause in UNCAUSED else "by "
+    how = "all" if len(parts) == 1 else "mostly" if parts[0].share > 0.5 else "most of them"
+    because = f"{most}{UNCAUSED.get(parts[0].cause, parts[0].cause)}"
+    return f"{sum(part.samples for part in parts):,} of {found.total:,} wrong, {how} {because}"
+
+
+def _sentence(study: Study) -> str:
+    """Say what matters most of a scene: of the drivers that draw pictures elsewhere, else of the worst."""
+
+    def weight(name: str) -> tuple[bool, bool, int]:
+        method = methods().get(name)
+        return _bad(study, name), method is not None and bool(method.needs), study.differences[name].different
+
+    wrong = [name for name, found in study.differences.items() if not found.same]
+    if not study.differences:
+        return "There is no reference to judge by."
+    worst = max(wrong, key=weight, default="")
+    return (
+        f"{worst}: {_told(study, worst)}." if worst else "Every method shows the right face at every sample."
+    )
+
+
+UNCAUSED = {
+    Cause.NO_DEPTH_TEST.label: "for want of a depth test",
+    Cause.UNEXPLAINED.label: "unexplained",
+}
+"""How causes are told that nothing is done *by*."""
 
 
 def _environment(studies: Sequence[Study]) -> dict[str, str]:

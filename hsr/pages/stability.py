@@ -41,16 +41,17 @@ def write_folder(results: Sequence[Result], folder: Path) -> list[Path]:
     charts = {f"{result.family.name}.svg": chart(result) for result in results}
     whole = {"hsr": 1, "families": [result.to_json() for result in results]}
     tables = {"results.json": whole, "matrix.json": matrix(results)}
-    written = {"index.html": _page(results, charts)}
+    written = {"index.html": _page(results, charts, folder / "index.html")}
     written |= {name: json.dumps(told, indent=1) + "\n" for name, told in tables.items()} | charts
     for name, text in written.items():
         write_whole(folder / name, text, "the stability report")
     return [folder / name for name in written]
 
 
-def _page(results: Sequence[Result], charts: Mapping[str, str]) -> str:
+def _page(results: Sequence[Result], charts: Mapping[str, str], path: Path) -> str:
     return page(
         "stability",
+        path,
         "Where the methods break",
         style("stability.css"),
         drawings=True,

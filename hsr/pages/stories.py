@@ -1,28 +1,30 @@
-"""The histories of the samples of a scene at which methods differ, as many as a page has room for."""
+"""The histories of samples of a scene at which methods differ: those that a page leads to, and some more."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from itertools import zip_longest
-from typing import Any, NamedTuple
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain, zip_longest
+from typing import NamedTuple
 
 import numpy as np
 
-from hsr.base.arrays import Bools, Ints
+from hsr.base.arrays import Ints
 from hsr.base.errors import MapError, ViewError
 from hsr.difference.cause import Causes, causes
 from hsr.difference.classes import OTHER_OWNER, Difference, SampleClass
-from hsr.difference.history import Historian, History
+from hsr.difference.history import Historian, History, Said
 from hsr.difference.study import Study
-from hsr.pages.packing import digits
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View
 
-STORIES = 5000
-"""How many samples of a scene have their history in the page, at most: some seconds to tell."""
+HISTORIES = 60
+"""How many samples of a scene have their history in the page unless more are asked for."""
 
-DIGITS = 2_500_000
-"""How many digits the histories of a page may have, which take most of its bytes: 1 MB."""
+CLUSTERS = 200
+"""How many clusters of a method can be walked through."""
+
+LISTED = 10
+"""How many of them a page lists: their first samples have a history, however few are asked for."""
 
 AT_ONCE = 500
 """How many histories are told together."""
@@ -49,6 +51,8 @@ class Shown(NamedTuple):
         As far as they are known.
     beside : VisibilityMap or None
         What was expected, if it has another size and can only be looked at.
+    command : str
+        The command that tells the history of a sample, with X,Y in its place; empty if there is none.
     """
 
     name: str
@@ -58,6 +62,7 @@ class Shown(NamedTuple):
     differences: Mapping[str, Difference]
     causes: Mapping[str, Causes]
     beside: VisibilityMap | None = None
+    command: str = ""
 
 
 class Stories(NamedTuple):
@@ -65,8 +70,8 @@ class Stories(NamedTuple):
 
     Attributes
     ----------
-    parts : dict of int to JSON values
-        The history of each by its number, ascending.
+    lines : dict of int to list of (str, Said)
+        The history of each by its number, ascending; see :meth:`hsr.difference.history.History.lines`.
     faces : (n,) int32
         Those met in histories, ascending.
     wanted : int
@@ -75,28 +80,24 @@ class Stories(NamedTuple):
         What keeps histories from being told at all.
     """
 
-    parts: dict[int, Any]
+    lines: dict[int, list[tuple[str, Said]]]
     faces: Ints
     wanted: int
     obstacle: str
 
 
-def stories(study: Study | Shown, most: int) -> Stories:
-    """Tell the histories of samples at which methods differ, as long as there are digits left."""
-    samples, wanted = _order(study.differences.values())
-    parts: dict[int, Any] = {}
+def stories(study: Study | Shown, most: int | None, linked: Sequence[tuple[int, int]]) -> Stories:
+    """Tell the histories of samples at which methods differ; see :func:`hsr.pages.inspector.inspection`."""
+    samples, wanted = _order(study, most, linked)
+    lines: dict[int, list[tuple[str, Said]]] = {}
     faces: set[int] = set()
     try:
         for told in _histories(study, samples):
-            sample = told.row * told.size[0] + told.column
-            parts[sample] = told.parts()
+            lines[told.row * told.size[0] + told.column] = list(told.lines())
             faces |= {entry.layer.face for entry in told.entries}
-            most -= digits(parts[sample])
-            if most <= 0:
-                break
     except (ViewError, MapError) as error:  # no exact answer, or maps of another scene
         return Stories({}, np.zeros(0, np.int32), wanted, str(error))
-    return Stories(dict(sorted(parts.items())), np.array(sorted(faces), dtype=np.int32), wanted, "")
+    return Stories(dict(sorted(lines.items())), np.array(sorted(faces), dtype=np.int32), wanted, "")
 
 
 def _histories(study: Study | Shown, samples: Sequence[int]) -> Iterator[History]:
@@ -117,34 +118,38 @@ def _causes(view: View, maps: Mapping[str, VisibilityMap]) -> dict[str, Causes]:
     return {name: causes(view, map, truth) for name, map in maps.items() if map is not truth}
 
 
-def _order(differences: Collection[Difference]) -> tuple[list[int], int]:
+def _order(
+    study: Study | Shown, most: int | None, linked: Sequence[tuple[int, int]]
+) -> tuple[list[int], int]:
     """Choose the samples whose history is told.
 
-    The methods take turns: each names its clusters, the largest first, then its other samples, spread over
-    the image. Their neighbours come last.
+    Those that are linked to come first. Then the methods take turns, each with the first samples of its
+    clusters, the largest first. What touches these follows, then others, spread over the image.
 
     Returns
     -------
     samples : list of int
-        STORIES at most.
+        As many as are asked for, but all those that the page links to.
     wanted : int
         How many samples differ, for some method, or lie beside one that does.
     """
     from skimage.morphology import dilation
 
+    differences = study.differences.values()
+    height, width = next(iter(study.maps.values())).face.shape
     if not differences:
-        return [], 0
-    differs = [np.isin(difference.classes, DIFFERING) for difference in differences]
-    turns = zip_longest(*map(_spread, differences, differs))
-    named = [sample for turn in turns for sample in turn if sample is not None]
-    wanted = dilation(np.logical_or.reduce(differs), np.ones((3, 3)))
-    samples = dict.fromkeys([*named, *np.flatnonzero(wanted)[:STORIES].tolist()])
-    return list(samples)[:STORIES], int(np.count_nonzero(wanted))
-
-
-def _spread(difference: Difference, differs: Bools) -> list[int]:
-    """Return the first sample of each cluster, then others spread over the image."""
-    first = [row * difference.a.width + column for row, column in (c.sample for c in difference.clusters)]
-    samples = np.flatnonzero(differs)
-    spread = np.linspace(0, len(samples) - 1, min(len(samples), STORIES)).astype(np.int64)
-    return [*first[:STORIES], *samples[spread].tolist()]
+        linked = linked or [(height // 2, width // 2)]  # where the inspector opens
+    differs = np.zeros((height, width), dtype=np.bool_)
+    for difference in differences:
+        differs |= np.isin(difference.classes, DIFFERING)
+    turns = chain.from_iterable(zip_longest(*(found.clusters[:CLUSTERS] for found in differences)))
+    first = [*linked, *(cluster.sample for cluster in turns if cluster is not None)]
+    least = len(linked) + sum(len(found.clusters[:LISTED]) for found in differences)
+    ring = np.zeros_like(differs)
+    if first:
+        ring[tuple(np.transpose(first))] = True
+    around, wanted = (np.flatnonzero(dilation(mask, np.ones((3, 3)))) for mask in (ring, differs))
+    most = max(least, len(wanted) if most is None else most)
+    spread = wanted[np.linspace(0, len(wanted) - 1, min(len(wanted), most)).astype(np.int64)]
+    numbers = [row * width + column for row, column in first]
+    return list(dict.fromkeys([*numbers, *around.tolist(), *spread.tolist()]))[:most], len(wanted)

@@ -18,7 +18,7 @@
   // ---------------------------------------------------------------- unpacking
 
   const ARRAYS = {
-    uint8: Uint8Array, uint16: Uint16Array, uint32: Uint32Array, float32: Float32Array,
+    uint8: Uint8Array, uint16: Uint16Array, uint32: Uint32Array, int32: Int32Array, float32: Float32Array,
   };
 
   function inflated(text) {
@@ -56,23 +56,56 @@
     return places;
   }
 
+  /** What a method shows at every sample, and the samples that have a class or a cause. */
+  async function shownBy(packed, like) {
+    const names = ["index", "depth", "classes", "causes"];
+    const method = await unpacked(packed, ["differs", ...names]);
+    const places = positions(method.differs, method.index.length);
+    for (const name of names) {
+      const whole = places.length ? like[name].slice() : like[name];
+      places.forEach((sample, k) => { whole[sample] = method[name][k]; });
+      method[name] = whole;
+    }
+    const marked = [];
+    for (let k = 0; k < method.classes.length; k++) if (method.classes[k] || method.causes[k]) marked.push(k);
+    method.samples = Uint32Array.from(marked);
+    method.clusters = await inflated(packed.clusters).json();
+    return method;
+  }
+
+  /** The colour of a face, by the rule of hsr.pictures.palette.face_colours. */
+  function colourOf(face) {
+    if (face < 0) return Array(3).fill(key.neutral);
+    const rest = (x) => x - Math.floor(x);
+    const hue = 6 * rest(face / key.plastic ** 2), value = 0.55 + 0.4 * rest(face / key.plastic);
+    const part = rest(hue);
+    const [low, down, up] = [0.5, 1 - 0.5 * part, 1 - 0.5 * (1 - part)].map((share) => share * value);
+    const sectors = [[value, up, low], [down, value, low], [low, value, up], [low, down, value], [up, low, value], [value, low, down]];
+    return sectors[Math.floor(hue) % 6].map((share) => Math.round(255 * share));
+  }
+
+  /** What a person calls a face that is shown. */
+  function nameOf(index) {
+    const face = scene.faces[index];
+    const { name, first, count, faces } = scene.manifest.findLast((object) => object.first <= face) ?? {};
+    if (!(face - first < count)) return face === -1 ? "background" : `unknown face ${face}`;
+    if (!faces?.length) return `${name}#${face - first}`;
+    return faces.length === 1 ? name : `${name}.${faces[face - first]}`;
+  }
+
   async function load(number) {
     const packed = JSON.parse($(`data-${number}`).textContent);
     const drawn = packed.drawn ? ["sizes", "facing", "complexity"] : [];
-    const scene = await unpacked(packed, ["colours", "index", "depth", ...drawn]);
+    const scene = await unpacked(packed, ["faces", "index", "depth", ...drawn]);
     [scene.width, scene.height] = packed.size;
-    [scene.edges, scene.hidden] = await Promise.all(
-      [packed.edges, packed.hidden].map((edges) => edges ? unpacked(edges, ["points", "ends"]) : { points: [], ends: [] }));
-    scene.methods = await Promise.all(packed.methods.map(
-      (method) => unpacked(method, ["differs", "index", "depth", "classes", "causes"])));
-    for (const method of scene.methods) {
-      method.samples = positions(method.differs, method.index.length);
-      method.samples.forEach((sample, k) => {
-        method.index[k] += scene.index[sample];
-        method.depth[k] += scene.depth[sample];
-      });
-    }
-    scene.names = await inflated(packed.names).json();
+    [scene.edges, scene.hidden] = await Promise.all([packed.edges, packed.hidden].map(
+      (edges) => edges ? unpacked(edges, ["points", "ends"]) : { points: [], ends: [] }));
+    const none = new Uint8Array(scene.index.length);
+    const before = [{ index: scene.index, depth: scene.depth, classes: none, causes: none }];
+    for (const method of packed.methods) before.push(await shownBy(method, before[method.like]));
+    scene.methods = before.slice(1);
+    scene.manifest = await inflated(packed.manifest).json();
+    scene.colours = Array.from(scene.faces, colourOf);
     scene.told = await unpack(packed.told);
     scene.picture = $(`picture-${number}`);
     await scene.picture.decode();
@@ -81,35 +114,32 @@
 
   // ---------------------------------------------------------------- what a method shows
 
-  /** The history of a sample, null if it is not in the page. They are unpacked when the first is asked for. */
+  /** The lines of a sample's history, null if it is not in the page. They are told when the first is asked for. */
   async function storyAt(number) {
     const k = lowerBound(scene.told, number);
-    if (scene.told[k] !== number) return null;
-    scene.unpacking ??= inflated(scene.stories).json().then(({ columns, ...packed }) => ({
-      ...packed, columns: columns.map((gaps) => gaps.map((column) => column.split(" "))), uses: packed.forms.map(textsOf),
+    scene.telling ??= inflated(scene.stories).json().then(tellings);
+    return scene.told[k] === number ? (await scene.telling)[k] : null;
+  }
+
+  /** Undo pack_told: each line is a form, with the next row of its columns in its gaps. */
+  function tellings({ forms, columns, lines }) {
+    const rows = forms.map(() => 0);
+    return lines.map((places) => places.map((place) => {
+      const [kind, form] = forms[place];
+      const row = rows[place]++;
+      let gap = 0;
+      const text = form.replace(/\{(?::(\+?)\.(\d)g)?\}/g, (_, plus, digits) => figures(columns[place][gap++][row], plus, Number(digits)));
+      return { kind, text };
     }));
-    return valueAt(await scene.unpacking, k);
   }
 
-  /** The texts of a form, in their order. */
-  function textsOf(form) {
-    if (typeof form === "number") return [form];
-    return typeof form === "object" ? Object.values(form).flatMap(textsOf) : [];
-  }
-
-  /** Undo pack_alike for one value: each text of its form has the next numbers of its columns in its gaps. */
-  function valueAt({ texts, columns, forms, uses, values }, k) {
-    const used = new Uint32Array(texts.length);
-    for (let before = 0; before < k; before++) for (const text of uses[values[before]]) used[text]++;
-    const filled = (form) => {
-      if (typeof form === "number") {
-        const row = used[form]++;
-        return texts[form].split("\0").reduce((start, end, gap) => start + columns[form][gap - 1][row] + end);
-      }
-      if (Array.isArray(form)) return form.map(filled);
-      return typeof form === "object" ? Object.fromEntries(Object.entries(form).map(([name, part]) => [name, filled(part)])) : form;
-    };
-    return filled(forms[values[k]]);
+  /** Write a number as Python does by ".4g" or "+.4g"; texts and whole numbers as they are. */
+  function figures(value, plus, digits) {
+    if (typeof value === "string" || !digits) return `${value}`;
+    const [mantissa, power] = Math.abs(value).toExponential(digits - 1).split("e").map(Number);
+    const sign = value < 0 || Object.is(value, -0) ? "-" : plus;
+    if (power >= -4 && power < digits) return sign + Number(Math.abs(value).toPrecision(digits));
+    return `${sign}${mantissa}e${power < 0 ? "-" : "+"}${String(Math.abs(power)).padStart(2, "0")}`;
   }
 
   /** Place of the first of ascending numbers that is not less than a number. */
@@ -126,9 +156,7 @@
   /** What a method shows at a sample: index of the face, level of the depth, class, cause. */
   function shownAt(method, row, column) {
     const sample = row * scene.width + column;
-    const k = lowerBound(method.samples, sample);
-    if (method.samples[k] !== sample) return { index: scene.index[sample], level: scene.depth[sample], kind: 0, cause: 0 };
-    return { index: method.index[k], level: method.depth[k], kind: method.classes[k], cause: method.causes[k] };
+    return { index: method.index[sample], level: method.depth[sample], kind: method.classes[sample], cause: method.causes[sample] };
   }
 
   /** A depth to the digits that its level holds. */
@@ -138,7 +166,6 @@
   }
 
   const rgb = ([r, g, b]) => `rgb(${r} ${g} ${b})`;
-  const colourAt = (index) => scene.colours.subarray(3 * index, 3 * index + 3);
 
   // ---------------------------------------------------------------- painting samples
 
@@ -147,15 +174,14 @@
   /** The overlays that can be drawn: without a view none. */
   const known = () => (scene.drawn ? OVERLAYS : OVERLAYS.slice(0, 1));
 
-  /** Colours of numbers: for each kind of picture the whole map, a method's own samples, and a table. */
+  /** Colours of numbers: for each kind of picture a table, and the numbers, those of all or a method's own. */
   function fields() {
-    const faces = Uint32Array.from({ length: scene.colours.length / 3 }, (_, k) => word(colourAt(k)));
     const table = (marks) => Uint32Array.from(marks, (mark) => (mark ? word(mark.colour) : 0));
     return {
-      faces: { whole: scene.index, own: "index", table: faces },
-      depth: { whole: scene.depth, own: "depth", table: greys(0, key.farthest) },
-      classes: { own: "classes", table: table(key.classes) },
-      causes: { own: "causes", table: table(key.causes) },
+      faces: { own: "index", table: Uint32Array.from(scene.colours, word) },
+      depth: { own: "depth", table: greys(0, key.farthest) },
+      classes: { own: "classes", faint: true, table: table(key.classes) },
+      causes: { own: "causes", faint: true, table: table(key.causes) },
       ...(scene.drawn ? overlays() : {}),
     };
   }
@@ -186,15 +212,14 @@
   function painted(method, name) {
     const id = `${method.name}/${name}`;
     if (canvases.has(id)) return canvases.get(id);
-    const { whole, own, table } = scene.fields[name];
-    const pixels = new Uint32Array(scene.width * scene.height);
-    if (whole) for (let k = 0; k < pixels.length; k++) pixels[k] = table[whole[k]];
-    if (own) method.samples.forEach((sample, k) => { pixels[sample] = table[method[own][k]]; });
+    const { whole, own, faint, table } = scene.fields[name];
+    const numbers = whole ?? method[own], pixels = new Uint32Array(numbers.length);
+    for (let k = 0; k < pixels.length; k++) pixels[k] = table[numbers[k]];
     const canvas = document.createElement("canvas");
     [canvas.width, canvas.height] = [scene.width, scene.height];
     const context = canvas.getContext("2d");
     context.putImageData(new ImageData(new Uint8ClampedArray(pixels.buffer), scene.width), 0, 0);
-    if (!whole) {
+    if (faint) {
       context.globalAlpha = FAINT;
       context.globalCompositeOperation = "destination-over";
       context.drawImage(scene.picture, 0, 0, scene.width, scene.height);
@@ -280,12 +305,12 @@
   function drawImage(context, side, opacity) {
     const method = scene.methods[shown[side]];
     const name = kindOf(side);
-    context.imageSmoothingEnabled = place.scale < 1;
     put(context, name === "picture" ? scene.picture : painted(method, name), opacity);
   }
 
   function put(context, image, opacity) {
     context.globalAlpha = opacity;
+    context.imageSmoothingEnabled = place.scale < 1; // a sample zoomed in on is a square of one colour
     context.drawImage(image, place.x, place.y, scene.width * place.scale, scene.height * place.scale);
     context.globalAlpha = 1;
   }
@@ -293,10 +318,11 @@
   /** Edges of faces, dark with a light rim. */
   function drawEdges(context, { points, ends }, { scale, x, y }, { width, height }) {
     const path = new Path2D();
-    for (let k = 0; k < ends.length; k += 2) {
-      const a = 2 * ends[k], b = 2 * ends[k + 1];
-      const x0 = x + scale * points[a], y0 = y + scale * points[a + 1];
-      const x1 = x + scale * points[b], y1 = y + scale * points[b + 1];
+    const step = scale / key.fine, half = points.length / 2, many = ends.length / 2; // x and y, tails and heads
+    for (let k = 0; k < many; k++) {
+      const a = ends[k], b = ends[many + k];
+      const x0 = x + step * points[a], y0 = y + step * points[half + a];
+      const x1 = x + step * points[b], y1 = y + step * points[half + b];
       if (Math.max(x0, x1) < 0 || Math.min(x0, x1) > width || Math.max(y0, y1) < 0 || Math.min(y0, y1) > height) continue;
       path.moveTo(x0, y0);
       path.lineTo(x1, y1);
@@ -342,10 +368,10 @@
     const marks = key[kind], values = method[kind];
     const least = LEAST * unit;
     if (place.scale < least && method.samples.length <= DOTS) {
-      method.samples.forEach((number, k) => {
-        if (!marks[values[k]]) return;
+      method.samples.forEach((number) => {
+        if (!marks[values[number]]) return;
         const row = Math.floor(number / scene.width), column = number % scene.width;
-        context.fillStyle = rgb(marks[values[k]].colour);
+        context.fillStyle = rgb(marks[values[number]].colour);
         context.fillRect(place.x + (column + 0.5) * place.scale - least / 2, place.y + (row + 0.5) * place.scale - least / 2, least, least);
       });
     }
@@ -356,7 +382,7 @@
     context.textAlign = "center";
     context.textBaseline = "middle";
     for (let k = lowerBound(method.samples, rows[0] * scene.width); k < end; k++) {
-      const mark = marks[values[k]];
+      const mark = marks[values[method.samples[k]]];
       if (!mark) continue;
       const row = Math.floor(method.samples[k] / scene.width), column = method.samples[k] % scene.width;
       context.fillStyle = mark.colour[0] + 2 * mark.colour[1] > 380 ? "#111" : "#fff";
@@ -474,7 +500,7 @@
   }
 
   function position(row, column) {
-    return fromBottom ? `row ${scene.height - 1 - row} from the bottom, column ${column}` : `row ${row}, column ${column}`;
+    return `column ${column}, row ${fromBottom ? `${scene.height - 1 - row} from the bottom` : row}`;
   }
 
   /** Fill the panel with what is known of the sample. */
@@ -488,7 +514,7 @@
       const found = [key.classes[kind]?.label ?? "same", key.causes[cause]?.label].filter(Boolean).join(", ");
       const judged = !scene.judged ? "" : k === scene.base ? "reference" : found;
       const line = element("tr", shown.includes(k) ? "chosen" : "",
-        element("th", "", method.name), element("td", "", swatch(colourAt(index)), scene.names[index]),
+        element("th", "", method.name), element("td", "", swatch(scene.colours[index]), nameOf(index)),
         element("td", "number", depthOf(level)), element("td", cause || [1, 2, 3].includes(kind) ? "differs" : "quiet", judged));
       line.firstChild.scope = "row";
       line.addEventListener("click", () => choose(1, k));
@@ -505,28 +531,37 @@
     const [open, chosen] = [scene, sample];
     const story = await storyAt(sample.row * scene.width + sample.column);
     if (scene !== open || sample !== chosen) return;
-    $("story").replaceChildren(...(story ? storyOf(story) : [element("p", "quiet", withoutStory())]));
+    $("story").replaceChildren(...(story ? storyOf(story) : [element("p", "quiet", ...withoutStory())]));
   }
 
-  function storyOf({ headline, faces, missed, sentences }) {
+  function storyOf(lines) {
+    const told = (...kinds) => lines.filter(({ kind }) => kinds.includes(kind));
     const list = (name, items) => element("ul", name, ...items);
-    const bad = (face, verdict) => (verdict === "won" ? !face.admissible : /^(passed over|missed)/.test(verdict));
+    const faces = [];
+    for (const { kind, text } of told("owner", "face", "verdict")) {
+      if (kind !== "verdict") {
+        faces.push(element("li", kind, element("span", "line", text), list("", [])));
+        continue;
+      }
+      const face = faces.at(-1), won = text.startsWith("won:");
+      const wrong = won ? face.className !== "owner" : /^(passed over|missed)/.test(text);
+      face.lastChild.append(element("li", `verdict ${wrong ? "wrong" : won ? "right" : ""}`, text));
+    }
+    const missed = told("missed").map(({ text }) => element("li", "", text));
     return [
-      element("p", "headline", headline),
-      list("faces", faces.map((face) => element("li", face.admissible ? "owner" : "",
-        element("span", "line", face.line),
-        list("", face.verdicts.map(([verdict, methods]) => element("li",
-          `verdict ${bad(face, verdict) ? "wrong" : verdict === "won" ? "right" : ""}`, `${verdict}: ${methods}`)))))),
-      ...(missed.length ? [element("p", "", key.missed), list("missed", missed.map((line) => element("li", "", line)))] : []),
-      list("sentences", sentences.map((text, k) => element("li", shown.includes(k) ? "chosen" : "", text))),
+      ...told("headline").map(({ text }) => element("p", "headline", text)),
+      list("faces", faces),
+      ...(missed.length ? [element("p", "", key.missed), list("missed", missed)] : []),
+      list("sentences", told("sentence").map(({ text }, k) => element("li", shown.includes(k) ? "chosen" : "", text))),
     ];
   }
 
   function withoutStory() {
-    const { told, wanted, untold, width, height } = scene;
-    const command = `hsr explain SCENE ${sample.column},${sample.row} --size ${width}x${height}`;
+    const { told, wanted, untold, command } = scene;
+    if (untold) return [`No histories: ${untold}.`];
     const bound = told.length < wanted ? ` Of the ${wanted} samples that differ or touch one that does, ${told.length} have theirs.` : "";
-    return untold ? `No histories: ${untold}.` : `The history of this sample is not in the page.${bound} Ask for it: ${command}`;
+    const asked = element("code", "", command.replace("X,Y", `${sample.column},${sample.row}`));
+    return [`The history of this sample is not in the page.${bound}`, ...(command ? [" Ask for it: ", asked] : [])];
   }
 
   /** The samples around the chosen one as a method shows them, with the edges of faces. */
@@ -538,7 +573,7 @@
       for (let across = 0; across <= 2 * AROUND; across++) {
         const row = from.row + down, column = from.column + across;
         if (row < 0 || column < 0 || row >= scene.height || column >= scene.width) continue;
-        context.fillStyle = rgb(colourAt(shownAt(method, row, column).index));
+        context.fillStyle = rgb(scene.colours[shownAt(method, row, column).index]);
         context.fillRect(across * side, down * side, side + 0.5, side + 0.5);
       }
     }
@@ -569,7 +604,7 @@
     const item = (colour, text) => element("span", "item", swatch(colour), text);
     const counts = (name) => {
       const tally = new Map();
-      for (const value of method[name]) tally.set(value, (tally.get(value) ?? 0) + 1);
+      for (const sample of method.samples) tally.set(method[name][sample], (tally.get(method[name][sample]) ?? 0) + 1);
       const items = key[name].map((mark, k) => mark && tally.has(k) && item(mark.colour, `${mark.letter} ${mark.label} ${tally.get(k)}`)).filter(Boolean);
       return items.length ? items : [`${method.name}: nothing differs from ${reference}`];
     };
@@ -744,7 +779,7 @@
       const [row, column] = sampleUnder(stage, event);
       const inside = row >= 0 && column >= 0 && row < scene.height && column < scene.width;
       const method = scene.methods[shown[mode === "two-up" ? stages.indexOf(stage) : 1]];
-      $("hover").textContent = inside ? `${position(row, column)}: ${scene.names[shownAt(method, row, column).index]}` : "";
+      $("hover").textContent = inside ? `${position(row, column)}: ${nameOf(shownAt(method, row, column).index)}` : "";
     });
     for (const end of ["pointerup", "pointercancel"]) {
       stage.addEventListener(end, (event) => {

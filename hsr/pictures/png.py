@@ -1,4 +1,4 @@
-"""Pictures as PNG: files of their own, and within a page.
+"""Pictures as files of their own, PNG, and within a page, WebP, which takes half the room and loses nothing.
 
 A picture is an array of ``uint8``: grey (H, W), sRGB (H, W, 3), or sRGB and opacity (H, W, 4). Row 0 is the
 top row.
@@ -10,26 +10,16 @@ import base64
 from io import BytesIO
 from pathlib import Path
 
-import numpy as np
 from PIL import Image
 
 from hsr.base.arrays import Pixels
 from hsr.base.files import write_whole
 
 
-def png(picture: Pixels) -> bytes:
-    """Encode a picture as PNG with opacity, with a palette where 256 colours suffice."""
-    image = Image.fromarray(picture).convert("RGBA")
-    colours, index = np.unique(np.asarray(image).view(np.uint32), return_inverse=True)
-    if len(colours) <= 256:
-        image = Image.frombytes("P", image.size, index.astype(np.uint8).tobytes())
-        image.putpalette(colours.view(np.uint8).tobytes(), "RGBA")
-    return _encoded(image)
-
-
 def data_uri(picture: Pixels) -> str:
-    """Return a picture as a data URI; see :func:`png`."""
-    return f"data:image/png;base64,{base64.b64encode(png(picture)).decode('ascii')}"
+    """Return a picture as a data URI."""
+    encoded = _encoded(Image.fromarray(picture), "WEBP", lossless=True, exact=True)
+    return f"data:image/webp;base64,{base64.b64encode(encoded).decode('ascii')}"
 
 
 def save_picture(picture: Pixels, path: str | Path) -> None:
@@ -40,10 +30,10 @@ def save_picture(picture: Pixels, path: str | Path) -> None:
     HsrError
         If the file cannot be written.
     """
-    write_whole(path, _encoded(Image.fromarray(picture)), "the picture")
+    write_whole(path, _encoded(Image.fromarray(picture), "PNG", optimize=True), "the picture")
 
 
-def _encoded(image: Image.Image) -> bytes:
+def _encoded(image: Image.Image, kind: str, **how: bool) -> bytes:
     file = BytesIO()
-    image.save(file, format="PNG", optimize=True)
+    image.save(file, kind, **how)
     return file.getvalue()

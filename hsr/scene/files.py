@@ -75,7 +75,7 @@ def load(path: str | Path) -> Scene:
     read = _read_scene if ending in SCENES else _gltf_scene if ending in GLTF else _mesh_scene
     with _prefixed(f"{path}: "):
         _check_file(path, built_in() if path.parent == Path() else ())
-        return read(path).located(path.parent)
+        return read(path).located(path.parent, str(path))
 
 
 @lru_cache

@@ -451,6 +451,8 @@ class Scene(Description):
     object: Annotated[List[Object], Field(min_length=1)]
     light: List[Light] = ()
     _folder: Path = PrivateAttr(default=Path())
+    _file: str = PrivateAttr(default="")
+    _cameras: tuple[Camera, ...] = PrivateAttr(default=())
     geometry: ClassVar[Any]
     """The objects in world space, for all views: a property, given by :mod:`hsr.problem.geometry`."""
     _repr_html_: ClassVar[Any]
@@ -461,10 +463,20 @@ class Scene(Description):
         """Where the mesh files are whose paths are relative: the folder of the scene file."""
         return self._folder
 
-    def located(self, folder: Path) -> Scene:
-        """Return the same scene with its mesh files in ``folder``."""
+    @property
+    def file(self) -> str:
+        """The file it was read from, as it was named; empty if it was not."""
+        return self._file
+
+    @property
+    def cameras_of_file(self) -> tuple[Camera, ...]:
+        """The cameras of that file, whichever the scene has now."""
+        return self._cameras
+
+    def located(self, folder: Path, file: str = "") -> Scene:
+        """Return the same scene with its mesh files in ``folder``, as it was read from ``file``."""
         scene = self.model_copy()
-        scene._folder = folder
+        scene._folder, scene._file, scene._cameras = folder, file, self.camera
         return scene
 
     @field_validator("camera", "object")

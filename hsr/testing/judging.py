@@ -15,7 +15,7 @@ from hsr.base.errors import CheckError
 from hsr.difference.cause import Causes, explained
 from hsr.difference.classes import OTHER_OWNER, Cluster, Difference, agreed_depths, compare, depth_step
 from hsr.difference.diagnosis import Diagnosis, diagnose
-from hsr.difference.history import history
+from hsr.difference.history import explain, history
 from hsr.mistakes.planted import MISTAKES, planted
 from hsr.models.foreign import modelled, told_of
 from hsr.models.stages import Cause
@@ -152,8 +152,8 @@ class Judgement:
         """Return the judgement as lines for people."""
         return "\n".join(self._lines())
 
-    def command(self, scene_file: str = "", map_file: str = "") -> str:
-        """Return the command that tells all about the first sample; empty without a scene file.
+    def command(self, scene_file: str = "", map_file: str = "", sample: str = "") -> str:
+        """Return the command that tells all about a sample; empty without a scene file.
 
         Parameters
         ----------
@@ -161,16 +161,17 @@ class Judgement:
             Where the scene was written, if the test names no file of it.
         map_file : str
             Where the judged map was written, if it was.
+        sample : str
+            Column and row, the first sample by default.
         """
         if self.subject is None or self.sample is None or not (self.subject.file or scene_file):
             return ""
         row, column = self.sample
-        shown, camera = self.difference.a, self.subject.camera
-        words = f"hsr explain {self.subject.file or scene_file} {column},{row}"
-        words += f" --size {shown.width}x{shown.height}" + (f" --camera {camera}" if camera else "")
-        if map_file:
-            return f"{words} --map {map_file}"
-        return f"{words} -a {shown.method}" if shown.method in methods() else words
+        shown, scene = self.difference.a, self.subject.file or scene_file
+        known = ["-a", shown.method] if shown.method in methods() else []
+        asked = ["--map", map_file] if map_file else known
+        place, size = sample or f"{column},{row}", (shown.width, shown.height)
+        return explain(scene, place, size, self.subject.camera, asked)
 
     def _lines(self) -> Iterator[str]:
         shown, expected = self.difference.a, self.difference.b

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -258,22 +258,24 @@ class Visibility:
         if not judgement.passed:
             check.shown = self._keep(check, "shown", shown)
             check.expected = self._keep(check, "expected", expected)
-            self._inspect(check, _compared(check.key, judgement), judgement.sample)
-            check.text += self._command(check, judgement)
+            commands = self._commands(check, judgement)
+            self._inspect(check, _compared(check.key, judgement, commands[-1]), judgement.sample)
+            check.text += f"\n  {commands[0]}" if commands[0] else ""
         elif self._test.config.getoption("hsr_selfcheck") and judgement.subject is not None:
             check.lets_pass = let_through(shown, expected, self.limits, judgement.subject)
         return check
 
-    def _command(self, check: Check, judgement: Judgement) -> str:
-        """Return the line with the command that explains the first sample; it needs a scene file."""
+    def _commands(self, check: Check, judgement: Judgement) -> tuple[str, str]:
+        """Return the commands that explain the first sample, and any X,Y; they need a scene file."""
         scene = judgement.subject and judgement.subject.scene
         if not judgement.subject or not scene:
-            return ""
+            return "", ""
         written = self._results / self._file(check, "scene.toml")
         if not judgement.subject.file:
             write_scene(_absolute(scene), written)
         shown = self._seen_from_root(self._results / check.shown)
-        return f"\n  {judgement.command(self._seen_from_root(written), shown)}"
+        how = partial(judgement.command, self._seen_from_root(written), shown)
+        return how(), how("X,Y")
 
     def _new(self, name: str, passed: bool, text: str) -> Check:
         self._folder.mkdir(parents=True, exist_ok=True)
@@ -306,7 +308,9 @@ class Visibility:
     def _inspect(self, check: Check, shown: Shown, sample: tuple[int, int] | None = None) -> None:
         """Keep what the page shows of maps, and how its address names what to look at first."""
         check.inspection = self._file(check, "inspection.json")
-        (self._results / check.inspection).write_text(json.dumps(kept(shown)), encoding="utf-8")
+        (self._results / check.inspection).write_text(
+            json.dumps(kept(shown, [sample] if sample else [])), encoding="utf-8"
+        )
         check.link = fragment(check.key, list(shown.maps)[-1], sample)
 
     def _keep(self, check: Check, what: str, map: VisibilityMap) -> str:
@@ -319,13 +323,13 @@ class Visibility:
         return file.relative_to(root).as_posix() if file.is_relative_to(root) else str(file)
 
 
-def _compared(key: str, judgement: Judgement) -> Shown:
+def _compared(key: str, judgement: Judgement, command: str) -> Shown:
     """Return what the inspector shows of a judgement: what was expected, then what was judged against it."""
     found, name, subject = judgement.difference, judgement.name, judgement.subject
     expected = found.b.method if found.b.method != name else f"{name}, expected"
     why = {} if judgement.causes is None else {name: judgement.causes}
     maps = {expected: found.b, name: found.a}
-    return Shown(key, subject.view if subject else None, maps, expected, {name: found}, why)
+    return Shown(key, subject.view if subject else None, maps, expected, {name: found}, why, command=command)
 
 
 def _absolute(scene: Scene) -> Scene:

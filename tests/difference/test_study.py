@@ -167,3 +167,15 @@ def test_what_was_computed_is_recalled_with_its_note(make_scene: Any, tmp_path: 
         assert RECALLED not in first.maps[name].notes and RECALLED not in other.maps[name].notes
     assert again.to_json()["causes"] == first.to_json()["causes"]
     assert again.to_json()["methods"]["zbuffer"]["notes"][RECALLED] is True
+
+
+@pytest.mark.usefixtures("methods")
+def test_the_command_for_a_history_can_be_pasted(make_scene: Any) -> None:
+    scene = make_scene(CUBE)
+    assert study(scene, ["right"], "left", (8, 6)).command == ""
+    scene = scene.located(Path(), "my scenes/it.toml")
+    command = "hsr explain 'my scenes/it.toml' X,Y --size 8x6 -a right -a left"
+    assert study(scene, ["right"], "left", (8, 6)).command == command
+    moved = scene.camera[0].model_copy(update={"fov": 12.0})
+    elsewhere = scene.model_copy(update={"camera": (moved,)})
+    assert study(elsewhere, ["right"], "left", (8, 6)).command == ""

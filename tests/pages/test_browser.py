@@ -17,12 +17,13 @@ from PIL import Image
 
 import hsr
 from hsr.cli.app import app
-from hsr.difference.classes import SampleClass
-from hsr.difference.study import Study
+from hsr.difference.classes import SampleClass, compare
+from hsr.difference.study import Study, study
 from hsr.models.stages import Cause
 from hsr.pages.inspector import HELP, fragment
 from hsr.pages.report import write_report
 from hsr.pictures.palette import CAUSE_COLOURS, CLASS_COLOURS, face_colours
+from tests.pages.unpacking import scene_of, unpack
 
 playwright = pytest.importorskip("playwright.sync_api")
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -41,7 +42,7 @@ def browser() -> Iterator[Any]:
 def inspected(real: Study, studied: Study, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A report on two scenes: one of painted maps and one that was rendered."""
     path = tmp_path_factory.mktemp("inspected") / "report.html"
-    write_report([studied, real], path)
+    write_report([studied, real], path, histories=None)
     return path
 
 
@@ -65,7 +66,7 @@ def visit(browser: Any, inspected: Path) -> Iterator[Callable[[str], Any]]:
     yield at
     for tab in opened:
         tab.close()
-    assert [line for line in complaints if not line.startswith(("data:image/png", inspected.as_uri()))] == []
+    assert [line for line in complaints if not line.startswith(("data:image/webp", inspected.as_uri()))] == []
 
 
 def ready(tab: Any) -> None:
@@ -124,9 +125,9 @@ def press(tab: Any, *keys: str) -> None:
 def test_a_fragment_opens_the_inspector_at_its_sample(visit: Any) -> None:
     tab = visit(fragment("boxes", "shifted", (20, 30)))
     assert chosen(tab) == ["two-up", "faces", "none", "reference", "shifted"]
-    assert text(tab, "position") == "row 20, column 30"
+    assert text(tab, "position") == "column 30, row 20"
     tab.evaluate("location.hash = '#scene=cyclic&method=backface&x=1&y=2'")
-    until(tab, "document.getElementById('position').textContent === 'row 2, column 1'")
+    until(tab, "document.getElementById('position').textContent === 'column 1, row 2'")
     assert chosen(tab)[3:] == ["exact", "backface"]
     tab.evaluate("location.hash = '#scene=nowhere'")
     until(tab, "document.getElementById('lost').textContent.includes('no scene named nowhere')")
@@ -154,7 +155,7 @@ def test_another_scene_may_open_before_the_address_has_followed(visit: Any) -> N
     )
     press(tab, "ArrowRight")
     tab.evaluate("location.hash = '#scene=cyclic&method=backface&x=1&y=2'")
-    until(tab, "document.getElementById('position').textContent === 'row 2, column 1'")
+    until(tab, "document.getElementById('position').textContent === 'column 1, row 2'")
 
 
 def test_the_panel_says_what_explain_says(visit: Any, real: Study, capsys: Any, scenes: Path) -> None:
@@ -167,7 +168,7 @@ def test_the_panel_says_what_explain_says(visit: Any, real: Study, capsys: Any, 
         press(tab, "g")
         tab.keyboard.type(f"{column}, {row}")
         press(tab, "Enter")
-        assert text(tab, "position") == f"row {row}, column {column}"
+        assert text(tab, "position") == f"column {column}, row {row}"
         lines = tab.locator(
             "#story p, #story .line, #story .verdict, #story .missed li, #story .sentences li"
         )
@@ -176,6 +177,49 @@ def test_the_panel_says_what_explain_says(visit: Any, real: Study, capsys: Any, 
         app(command, standalone_mode=False)
         told = [line.strip() for line in capsys.readouterr().out.splitlines() if line.strip()]
         assert lines.all_text_contents() == told
+
+
+OBJECTS: dict[str, list[dict[str, Any]]] = {
+    "planar": [{"shape": "cube"}],
+    "curved": [{"shape": "sphere"}, {"shape": "cylinder", "transform": [{"translate": [0.7, 0.0, 0.3]}]}],
+    "clipped": [{"shape": "cube", "transform": [{"scale": 4.2}]}, {"shape": "sphere"}],
+    "tied": [{"shape": "square"}, {"shape": "square"}],
+    "culled": [{"shape": "square", "transform": [{"rotate_y": 180.0}], "cull": "back"}, {"shape": "cube"}],
+}
+
+
+def test_the_viewer_tells_histories_of_every_kind(browser: Any, make_scene: Any, tmp_path: Path) -> None:
+    methods = ["painter", "backface", "zbuffer", "scanline-d16"]
+    studies = []
+    for name, objects in OBJECTS.items():
+        named = [{"name": f"{name}{k}"} | thing for k, thing in enumerate(objects)]
+        scene = make_scene(named, near=1.2, far=5.5)
+        found = study(scene, methods, "exact", (32, 24), name=name)
+        truth, painted = found.maps["exact"], found.maps["painter"]
+        moved = replace(painted, face=np.roll(painted.face, 2, axis=1), method="moved")
+        maps, differences = found.maps | {"moved": moved}, {"moved": compare(moved, truth)}
+        told = {"maps": maps, "differences": differences | found.differences, "causes": {}}
+        studies.append(replace(found, agreement=np.zeros((6, 6), np.int64), **told))
+    write_report(studies, tmp_path / "kinds.html", histories=None)
+    tab = browser.new_page()
+    seen = 0
+    for found in studies:
+        scene = scene_of((tmp_path / "kinds.html").read_text(encoding="utf-8"), studies.index(found))
+        samples = unpack(scene["told"]).tolist()
+        for sample in samples[:: max(len(samples) // 5, 1)]:
+            row, column = divmod(sample, 32)
+            tab.goto("about:blank")
+            tab.goto((tmp_path / "kinds.html").as_uri() + fragment(found.name, "painter", (row, column)))
+            ready(tab)
+            known = hsr.history(found.view, list(found.maps.values()), x=column, y=row)
+            lines = tab.locator(
+                "#story p, #story .line, #story .verdict, #story .missed li, #story .sentences li"
+            )
+            words = [line.strip() for line in str(known).splitlines() if line.strip()]
+            assert lines.all_text_contents() == words
+            seen += 1
+    tab.close()
+    assert seen >= 25
 
 
 def test_the_table_tells_what_every_method_shows(visit: Any, real: Study) -> None:
@@ -191,10 +235,12 @@ def test_the_table_tells_what_every_method_shows(visit: Any, real: Study) -> Non
     assert cells[0][3] == "wrong face, no depth test" and cells[-1][3] == "reference"
 
 
-def test_a_sample_without_a_history_says_how_to_ask(visit: Any) -> None:
+def test_a_sample_without_a_history_says_how_to_ask(visit: Any, real: Study, scenes: Path) -> None:
     tab = visit(fragment("cyclic", "backface", (0, 0)))
     assert "not in the page" in text(tab, "story")
-    assert text(tab, "story").endswith("hsr explain SCENE 0,0 --size 96x72")
+    asked = " ".join(f"-a {name}" for name in real.maps)
+    command = f"hsr explain {scenes / 'cyclic.toml'} 0,0 --size 96x72 {asked}"
+    assert tab.locator("#story code").text_content() == command
 
 
 def test_faces_have_the_colours_of_their_ids(visit: Any, studied: Study) -> None:
@@ -338,15 +384,15 @@ def test_blinking_goes_by_the_clock_and_by_hand(visit: Any) -> None:
 def test_keys_move_and_zoom(visit: Any) -> None:
     tab = visit(fragment("boxes", "shifted", (24, 32)))
     press(tab, "ArrowRight", "ArrowDown", "Shift+ArrowLeft")
-    assert text(tab, "position") == "row 25, column 23"
+    assert text(tab, "position") == "column 23, row 25"
     press(tab, *["Shift+ArrowUp"] * 4)
-    assert text(tab, "position") == "row 0, column 23"
+    assert text(tab, "position") == "column 23, row 0"
     press(tab, "y")
-    assert text(tab, "position") == "row 47 from the bottom, column 23"
+    assert text(tab, "position") == "column 23, row 47 from the bottom"
     press(tab, "g")
     tab.keyboard.type("5,7")
     press(tab, "Enter", "y")
-    assert text(tab, "position") == "row 40, column 5"
+    assert text(tab, "position") == "column 5, row 40"
     fitted = scale(tab)
     press(tab, "+")
     assert scale(tab) == pytest.approx(1.5 * fitted, rel=0.01)
@@ -361,7 +407,7 @@ def test_keys_move_and_zoom(visit: Any) -> None:
 def test_brackets_walk_through_the_clusters(visit: Any, studied: Study) -> None:
     tab = visit(fragment("boxes", "shifted"))
     clusters = [
-        f"row {row}, column {column}"
+        f"column {column}, row {row}"
         for row, column in (cluster.sample for cluster in studied.differences["shifted"].clusters)
     ]
     assert text(tab, "position") == clusters[0] and chosen(tab)[1] == "classes"
@@ -392,7 +438,7 @@ def test_help_names_the_keys_and_closes(visit: Any) -> None:
     assert tab.locator("#help").is_visible()
     press(tab, "ArrowRight", "Escape")
     assert not tab.locator("#help").is_visible() and tab.locator("#inspector").is_visible()
-    assert text(tab, "position") == "row 24, column 32"
+    assert text(tab, "position") == "column 32, row 24"
 
 
 def test_every_key_of_the_help_does_something() -> None:
@@ -412,16 +458,16 @@ def test_the_pointer_reads_and_chooses_samples(visit: Any, studied: Study) -> No
     x = box["x"] + box["width"] / 2 + (20.5 - 32) * scale(tab)
     y = box["y"] + box["height"] / 2 + (30.5 - 24) * scale(tab)
     tab.mouse.move(x, y)
-    assert text(tab, "hover") == f"row 30, column 20: {studied.view.manifest[0]['name']}.front"
-    assert text(tab, "position") == "row 0, column 0"
+    assert text(tab, "hover") == f"column 20, row 30: {studied.view.manifest[0]['name']}.front"
+    assert text(tab, "position") == "column 0, row 0"
     tab.mouse.click(x, y)
-    assert text(tab, "position") == "row 30, column 20"
+    assert text(tab, "position") == "column 20, row 30"
     before = pixels(tab, 1, (-20.5, -14.5), (12.5, 0.5))
     tab.mouse.move(x, y)
     tab.mouse.down()
     tab.mouse.move(x + 12 * scale(tab), y, steps=4)
     tab.mouse.up()
-    assert text(tab, "position") == "row 30, column 20"
+    assert text(tab, "position") == "column 20, row 30"
     assert pixels(tab, 1, (-20.5, -14.5), (12.5, 0.5)) != before
     fitted = scale(tab)
     tab.mouse.wheel(0, -200)
@@ -450,10 +496,10 @@ def test_two_fingers_zoom_about_what_lies_between_them(visit: Any) -> None:
     touch("touchEnd")
     assert scale(tab) == pytest.approx(2.0 * fitted, rel=0.01)
     assert pixels(tab, 1, *border) == between
-    assert text(tab, "position") == "row 24, column 32"  # no sample was chosen
+    assert text(tab, "position") == "column 32, row 24"  # no sample was chosen
     touch("touchStart", (x + 3.5 * scale(tab), y))
     touch("touchEnd")
-    assert text(tab, "position") == "row 24, column 35"
+    assert text(tab, "position") == "column 35, row 24"
 
 
 def test_rows_of_the_table_choose_method_and_reference(visit: Any) -> None:
@@ -471,7 +517,7 @@ def test_control_and_arrows_walk_through_the_pictures(visit: Any) -> None:
         press(tab, f"Control+{key}")
         seen.append(chosen(tab)[1])
     assert seen == ["picture", "depth", "picture", "faces", "causes"]
-    assert text(tab, "position") == "row 24, column 32"
+    assert text(tab, "position") == "column 32, row 24"
 
 
 def test_the_samples_around_are_drawn_with_edges(visit: Any, real: Study) -> None:

@@ -109,7 +109,7 @@ def opened(tab: Any, page: Path, check: str, sample: tuple[int, int]) -> None:
     """Follow the link of a check to a sample."""
     tab.goto(page.as_uri() + fragment(check, "mine", sample))
     tab.locator("#story p").first.wait_for()
-    assert tab.locator("#position").inner_text() == f"row {sample[0]}, column {sample[1]}"
+    assert tab.locator("#position").inner_text() == f"column {sample[1]}, row {sample[0]}"
 
 
 def test_a_link_opens_the_sample_of_maps_without_a_scene(tab: Any, page: Path) -> None:

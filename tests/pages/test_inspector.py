@@ -14,43 +14,42 @@ from hsr.difference.classes import SampleClass
 from hsr.difference.study import Study, study
 from hsr.models.stages import Cause
 from hsr.pages import stories as module
-from hsr.pages.inspector import EMPTY, FARTHEST, inspection, key
+from hsr.pages.inspector import EMPTY, FARTHEST, FINE, inspection, key
 from hsr.pages.outlines import outlines
-from hsr.pages.packing import digits
-from hsr.pictures.palette import face_colours
 from tests.pages.unpacking import stories_of, unpack, unpack_json
 
 
 @pytest.fixture(scope="module")
 def told(real: Study) -> Any:
-    return inspection(real)
+    return inspection(real, None)
+
+
+PARTS = ("index", "depth", "classes", "causes")
 
 
 def of_method(scene: Any, number: int) -> dict[str, Any]:
-    """Lay what a method shows differently over the base."""
-    method = scene["methods"][number]
-    samples = np.flatnonzero(np.unpackbits(unpack(method["differs"])))
-    whole: dict[str, Any] = {
-        "classes": np.zeros(scene["size"][::-1], int),
-        "causes": np.zeros(scene["size"][::-1], int),
-    }
-    for name in ("index", "depth"):
-        whole[name] = unpack(scene[name]).copy()
-        whole[name].ravel()[samples] += unpack(method[name])
-    for name in ("classes", "causes"):
-        whole[name].ravel()[samples] = unpack(method[name])
-    return whole
+    """Return what a method shows: laid over what it is most like, and that over the base in the end."""
+    none = np.zeros(scene["size"][::-1], int)
+    before = [
+        {"index": unpack(scene["index"]), "depth": unpack(scene["depth"]), "classes": none, "causes": none}
+    ]
+    for method in scene["methods"][: number + 1]:
+        samples = np.flatnonzero(np.unpackbits(unpack(method["differs"])))
+        whole = {name: before[method["like"]][name].copy() for name in PARTS}
+        for name in PARTS:
+            whole[name].ravel()[samples] = unpack(method[name])
+        before.append(whole)
+    return before[-1]
 
 
 def test_every_map_can_be_had_again(told: Any, real: Study) -> None:
-    names = np.array(unpack_json(told["names"]))
+    faces = unpack(told["faces"])
+    assert unpack_json(told["manifest"]) == real.maps["exact"].manifest
     nearest, farthest = told["span"]
     for number, (name, map) in enumerate(real.maps.items()):
         shown = of_method(told, number)
         assert told["methods"][number]["name"] == name
-        assert names[shown["index"]].ravel().tolist() == [
-            map.name_of(face) for face in map.face.ravel().tolist()
-        ]
+        assert np.array_equal(faces[shown["index"]], map.face)
         differs = shown["classes"] > 0
         expected = np.where(differs, map.depth, real.maps["exact"].depth)
         seen = np.isfinite(expected)
@@ -70,12 +69,12 @@ def test_classes_and_causes_can_be_had_again(told: Any, real: Study) -> None:
         assert np.array_equal(shown["classes"], real.differences[name].classes)
         assert np.array_equal(shown["causes"], real.causes[name].cause)
         boxes = [[*cluster.sample, *cluster.box] for cluster in real.differences[name].clusters]
-        assert told["methods"][number]["clusters"] == boxes
+        assert unpack_json(told["methods"][number]["clusters"]) == boxes
 
 
-def test_colours_are_those_of_faces(told: Any, real: Study) -> None:
+def test_every_face_that_is_shown_has_its_size(told: Any, real: Study) -> None:
     shown = np.unique(np.concatenate([map.face.ravel() for map in real.maps.values()]))
-    assert np.array_equal(unpack(told["colours"]), face_colours(shown))
+    assert unpack(told["faces"]).tolist() == shown.tolist()
     assert len(unpack(told["sizes"])) == len(shown) - 1
 
 
@@ -85,26 +84,29 @@ def test_stories_are_told_of_samples_that_differ_and_around_them(told: Any, real
     for name, difference in real.differences.items():
         for cluster in difference.clusters[:5]:
             row, column = cluster.sample
-            told_of = stories[row * real.view.width + column]
-            assert told_of["sentences"][list(real.maps).index(name)].startswith(f"{name} shows")
+            sentences = [text for kind, text in stories[row * real.view.width + column] if kind == "sentence"]
+            assert sentences[list(real.maps).index(name)].startswith(f"{name} shows")
 
 
 def test_stories_are_the_histories(told: Any, real: Study) -> None:
-    for sample, parts in list(stories_of(told).items())[::16]:
+    for sample, lines in list(stories_of(told).items())[::16]:
         row, column = divmod(sample, real.view.width)
-        assert parts == hsr.history(real.view, list(real.maps.values()), x=column, y=row).parts()
+        known = hsr.history(real.view, list(real.maps.values()), x=column, y=row)
+        assert lines == [(kind, str(said)) for kind, said in known.lines()]
 
 
-def test_stories_are_shared_out_when_they_are_cut(real: Study, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_few_histories_are_those_the_page_leads_to(real: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "AT_ONCE", 4)
-    found = inspection(real, 1000)
-    stories = stories_of(found)
-    largest = [
-        difference.clusters[0].sample for difference in real.differences.values() if difference.clusters
-    ]
-    assert len(stories) < found["wanted"]
-    assert 1000 <= digits(list(stories.values())) < 1000 + max(map(digits, stories.values()))
-    assert {row * real.view.width + column for row, column in largest} <= stories.keys()
+    asked = (5, 7)
+    samples = {cluster.sample for found in real.differences.values() for cluster in found.clusters[:10]}
+    told_of = {divmod(sample, real.view.width) for sample in stories_of(inspection(real, 0, [asked]))}
+    assert told_of == samples | {asked}
+    more = stories_of(inspection(real, 20))
+    assert len(more) == 20 < inspection(real, 20)["wanted"]
+
+
+def test_where_nothing_differs_the_middle_has_its_history(studied_alone: Study) -> None:
+    assert 24 * 64 + 32 in stories_of(inspection(studied_alone))
 
 
 def test_neighbours_are_wanted_too(studied: Study) -> None:
@@ -127,8 +129,8 @@ def test_hidden_edges_are_those_of_faces_in_histories(told: Any, real: Study) ->
         (np.array(sorted(met - set(seen.tolist()))), told["hidden"]),
     ):
         points, ends = outlines(real.view, faces.astype(np.int32))
-        assert len(ends) and np.array_equal(unpack(edges["points"]), points)
-        assert np.array_equal(unpack(edges["ends"]), ends)
+        assert len(ends) and pytest.approx(FINE * points, abs=0.5) == unpack(edges["points"]).T
+        assert np.array_equal(unpack(edges["ends"]).T, ends)
 
 
 def test_without_exact_answers_there_are_no_stories(studied: Study, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -144,8 +146,7 @@ def test_without_a_reference_the_first_map_is_whole(studied_alone: Study) -> Non
     found = inspection(studied_alone)
     assert (found["base"], found["judged"], found["wanted"]) == (0, False, 0)
     face = studied_alone.maps["reference"].face
-    names = np.array(unpack_json(found["names"]))[of_method(found, 1)["index"]]
-    assert (names == "background").tolist() == (face < 0).tolist()
+    assert np.array_equal(unpack(found["faces"])[of_method(found, 1)["index"]], face)
 
 
 @pytest.mark.jit
@@ -154,7 +155,7 @@ def test_causes_are_known_though_the_truth_is_no_reference(scenes: Any) -> None:
     found = study(loaded, ["backface", "exact"], "zbuffer", (40, 40))
     assert not found.causes
     sentences = [
-        sentence for parts in stories_of(inspection(found)).values() for sentence in parts["sentences"]
+        text for lines in stories_of(inspection(found)).values() for kind, text in lines if kind == "sentence"
     ]
     assert any("(no depth test)" in sentence for sentence in sentences)
     assert not any("(unexplained)" in sentence for sentence in sentences)
@@ -172,4 +173,4 @@ def test_an_empty_picture_can_be_inspected(studied: Study) -> None:
     map = studied.maps["reference"]
     nothing = replace(map, face=np.full_like(map.face, -1), depth=np.full_like(map.depth, np.inf))
     found = inspection(replace(studied, maps={"reference": nothing}, differences={}))
-    assert unpack_json(found["names"]) == ["background"] and (unpack(found["depth"]) == EMPTY).all()
+    assert unpack(found["faces"]).tolist() == [-1] and (unpack(found["depth"]) == EMPTY).all()

@@ -8,8 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from hsr.pages.packing import digits, pack, pack_alike, pack_json
-from tests.pages.unpacking import unpack, unpack_alike, unpack_json
+from hsr.difference.history import Said, say
+from hsr.pages.packing import pack, pack_json, pack_told
+from tests.pages.unpacking import unpack, unpack_json, unpack_told
 
 
 @given(
@@ -36,22 +37,23 @@ def test_json_survives() -> None:
     assert unpack_json(pack_json({"näher": [1, None]})) == {"näher": [1, None]}
 
 
-TEXTS = st.text(st.sampled_from("a#0195 ٣{}"), max_size=12)
-
-
-@given(
-    st.lists(st.recursive(TEXTS | st.booleans(), lambda part: st.lists(part) | st.dictionaries(TEXTS, part)))
+FORMS = ("{}: {:.3g}", "{} or {:+.4g}", "{}; {:.9g}")
+NUMBERS = st.floats(-1e300, 1e300) | st.sampled_from([-0.0, 1e-5, 0.0001, 999.96, 1e9, float("inf")])
+LINES = st.tuples(
+    st.sampled_from(["face", "missed"]), st.builds(say, st.sampled_from(FORMS), st.text(), NUMBERS)
 )
-def test_texts_alike_survive(values: list[Any]) -> None:
-    assert unpack_alike(pack_alike(values)) == values
 
 
-def test_texts_that_differ_in_numbers_alone_are_kept_once() -> None:
-    values = [{"line": f"x#{k} is {2 * k} deep"} for k in range(1000)]
-    kept = unpack_json(pack_alike(values))
-    assert (kept["texts"], kept["forms"]) == (["x#\0 is \0 deep"], [{"line": 0}])
-    assert digits(values) == sum(len(f"{k}{2 * k}") for k in range(1000))
+@given(st.lists(st.lists(LINES)))
+def test_histories_survive_as_they_are_shown(histories: list[list[tuple[str, Said]]]) -> None:
+    told = [[(kind, str(said)) for kind, said in lines] for lines in histories]
+    assert unpack_told(pack_told(histories)) == told
 
 
-def test_digits_of_escapes_are_none() -> None:
-    assert digits([{"line": "näher#12"}]) == 2
+def test_words_are_kept_once_and_numbers_as_they_are_shown() -> None:
+    form = "{} is {:.3g} deep"
+    kept = unpack_json(
+        pack_told([[("face", say(form, f"x#{k}", k / 3)), ("face", say("."))] for k in (0, 1)])
+    )
+    assert kept["forms"] == [["face", form], ["face", "."]] and kept["lines"] == [[0, 1], [0, 1]]
+    assert kept["columns"] == [[["x#0", "x#1"], [0.0, 0.333]], []]

@@ -17,9 +17,7 @@ from hsr.base.errors import HsrError
 from hsr.difference.cause import Causes
 from hsr.difference.study import Study
 from hsr.models.stages import Cause
-from hsr.pages import report as module
 from hsr.pages.inspector import fragment, inspection
-from hsr.pages.packing import digits
 from hsr.pages.report import _extent, _figures, _milliseconds, _note, write_report
 from hsr.pages.shading import shade
 from tests.pages.policies import assert_strict
@@ -122,11 +120,49 @@ def test_causes_are_summed_over_scenes(studied: Study, tmp_path: Path) -> None:
     known = replace(studied, causes={"shifted": Causes("shifted", cause, True)})
     write_report([known, known], tmp_path / "causes.html")
     text = (tmp_path / "causes.html").read_text(encoding="utf-8")
-    heads = re.findall(r"<th[^>]*>([^<]*)</th>", text[text.index("Why samples are wrong") :])
+    heads = re.findall(
+        r"<th[^>]*>(?:<span[^>]*></span>)?([^<]*)</th>", text[text.index("Why samples are wrong") :]
+    )
     assert heads[:6] == ["method", "wrong", "tessellation", "vertex snapping", "unexplained", "shifted"]
     figures = re.findall(r"<td[^>]*>([^<]*)</td>", text[text.index("Why samples are wrong") :])
     assert figures[:4] == ["6,144", "6,140", "2", "2"]
     assert "<b>shifted</b>: tessellation 3,070, vertex snapping 1, unexplained 1" in text
+
+
+def test_pictures_come_before_tables_with_the_sentence_that_matters(studied: Study, tmp_path: Path) -> None:
+    cause = np.where(studied.differences["shifted"].differs, Cause.NO_DEPTH_TEST, 0).astype(np.uint8)
+    why = Causes("shifted", cause, True)
+    write_report([replace(studied, causes={"shifted": why})], tmp_path / "r.html")
+    page = (tmp_path / "r.html").read_text(encoding="utf-8")
+    sentence = f"shifted: {why.wrong} of 3,072 wrong, all for want of a depth test."
+    assert page.index("<img") < page.index(sentence) < page.index("<table")
+
+
+@pytest.mark.parametrize(("flat", "red"), [(0, True), (100, True), (500, False)])
+def test_counts_are_red_where_most_was_not_asked_for(
+    studied: Study, tmp_path: Path, flat: int, red: bool
+) -> None:
+    cause = np.zeros((48, 64), np.uint8)
+    cause.ravel()[:400] = Cause.NO_DEPTH_TEST
+    cause.ravel()[:flat] = Cause.TESSELLATION
+    write_report([replace(studied, causes={"shifted": Causes("shifted", cause, True)})], tmp_path / "r.html")
+    page = (tmp_path / "r.html").read_text(encoding="utf-8")
+    cell = re.search(r'<td class="number([^"]*)"><a href="#scene=boxes.*?</td>', page, re.DOTALL)
+    assert cell and (cell[1] == " differs") == red
+    parts = re.findall(r'width="([^"]*)" height="1"', cell[0])
+    assert sum(map(float, parts)) == pytest.approx(1.0, abs=0.01) and len(parts) == 1 + (0 < flat < 400)
+
+
+def test_pages_of_one_folder_lead_to_each_other(studied: Study, tmp_path: Path) -> None:
+    for name in ("lessons", "gallery"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "index.html").touch()
+    for name in ("sample.html", "lab.html"):
+        write_report([studied], tmp_path / name)
+    page = (tmp_path / "lab.html").read_text(encoding="utf-8")
+    links = re.findall(r'<a href="([^"#]*)"( aria-current="page")?>([^<]*)</a>', page)
+    assert [name for _, _, name in links] == ["Sample report", "Scenes", "Lessons"]
+    assert links[1][0] == "gallery/index.html"
 
 
 def test_without_the_truth_there_are_no_causes(page: str) -> None:
@@ -140,15 +176,13 @@ def test_several_scenes_share_one_page(studied: Study, studied_alone: Study, tmp
     assert "<h1>A &lt; B</h1>" in page and scene_of(page, 2)["name"] == "boxes"
 
 
-def test_scenes_share_out_the_digits_of_their_histories(
-    real: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(module, "ALL_DIGITS", 5000)
-    told = []
-    for count in (1, 5):
-        write_report(count * [real], tmp_path / "r.html")
-        told.append(digits(list(stories_of(scene_of((tmp_path / "r.html").read_text())).values())))
-    assert 5000 <= told[0] < 5500 and 1000 <= told[1] < 1500
+def test_as_many_histories_as_are_asked_for(real: Study, tmp_path: Path) -> None:
+    for asked in (0, 30, None):
+        write_report([real], tmp_path / "r.html", histories=asked)
+        told = scene_of((tmp_path / "r.html").read_text(encoding="utf-8"))
+        linked = {cluster.sample for found in real.differences.values() for cluster in found.clusters[:10]}
+        expected = told["wanted"] if asked is None else max(asked, len(linked))
+        assert len(stories_of(told)) == expected
 
 
 def test_nothing_to_report(studied: Study, tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ import base64
 import json
 import re
 import zlib
+from itertools import repeat
 from typing import Any
 
 import numpy as np
@@ -25,27 +26,25 @@ def unpack_json(packed: str) -> Any:
     return json.loads(zlib.decompress(base64.b64decode(packed)))
 
 
-def unpack_alike(packed: str) -> list[Any]:
-    """Return the values that were packed."""
+def unpack_told(packed: str) -> list[list[tuple[str, str]]]:
+    """Return the lines that were packed, each with what it is."""
     kept = unpack_json(packed)
-    numbers = [[iter(column.split(" ")) for column in columns] for columns in kept["columns"]]
+    rows = [zip(*columns, strict=True) if columns else repeat(()) for columns in kept["columns"]]
+    forms = kept["forms"]
 
-    def filled(form: Any) -> Any:
-        if isinstance(form, bool):
-            return form
-        if isinstance(form, int):
-            row = map(next, numbers[form])
-            return re.sub("\0", lambda _: next(row), kept["texts"][form])
-        if isinstance(form, dict):
-            return {key: filled(part) for key, part in form.items()}
-        return [filled(part) for part in form]
+    def filled(form: str, values: Any) -> str:
+        gaps = iter(values)
+        return re.sub(r"{(.*?)}", lambda gap: shown(gap[0], next(gaps)), form)
 
-    return [filled(kept["forms"][place]) for place in kept["values"]]
+    def shown(gap: str, value: Any) -> str:
+        return value if isinstance(value, str) else gap.format(value)
+
+    return [[(forms[k][0], filled(forms[k][1], next(rows[k]))) for k in lines] for lines in kept["lines"]]
 
 
-def stories_of(scene: Any) -> dict[int, Any]:
+def stories_of(scene: Any) -> dict[int, list[tuple[str, str]]]:
     """Return the histories of a scene by the numbers of their samples."""
-    return dict(zip(unpack(scene["told"]).tolist(), unpack_alike(scene["stories"]), strict=True))
+    return dict(zip(unpack(scene["told"]).tolist(), unpack_told(scene["stories"]), strict=True))
 
 
 def scene_of(page: str, number: int = 0) -> Any:
