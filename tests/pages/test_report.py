@@ -15,7 +15,7 @@ import pytest
 
 from hsr.base.errors import HsrError
 from hsr.difference.cause import Causes
-from hsr.difference.study import Study
+from hsr.difference.study import RECALLED, Study
 from hsr.models.stages import Cause
 from hsr.pages.inspector import fragment, inspection
 from hsr.pages.report import _extent, _figures, _milliseconds, _note, write_report
@@ -190,6 +190,15 @@ def test_nothing_to_report(studied: Study, tmp_path: Path) -> None:
         write_report([], tmp_path / "r.html")
     with pytest.raises(HsrError, match="every method was skipped"):
         write_report([replace(studied, maps={})], tmp_path / "r.html")
+
+
+def test_times_that_were_not_measured_now_bear_a_star(studied: Study, tmp_path: Path) -> None:
+    write_report([studied], tmp_path / "now.html")
+    maps = {name: replace(map, notes=map.notes | {RECALLED: True}) for name, map in studied.maps.items()}
+    write_report([replace(studied, maps=maps)], tmp_path / "then.html")
+    now, then = ((tmp_path / f"{when}.html").read_text(encoding="utf-8") for when in ("now", "then"))
+    starred = re.compile(r"[0-9]\*</td>")
+    assert not starred.search(now) and len(starred.findall(then)) == 2 * len(maps)
 
 
 def test_a_report_is_written_in_stages(studied: Study, tmp_path: Path) -> None:
