@@ -47,5 +47,5 @@ def test_causes_show_where_and_why() -> None:
 
 def test_a_history_shows_its_text() -> None:
     view = hsr.view(hsr.load(SCENES / "cube.toml"), (8, 8))
-    told = hsr.history(view, 4, 4, [hsr.render(view, "exact")])
+    told = hsr.history(view, [hsr.render(view, "exact")], x=4, y=4)
     assert html.unescape(told._repr_html_()) == f"<pre>{told}</pre>"
