@@ -69,11 +69,15 @@ def _judged(map: Path, against: Path, cameras: Cameras, **made_by: Any) -> Judge
     from hsr.testing.judging import Subject, judge
     from hsr.testing.limits import Limits
 
-    shown, limits = cli.read_map(map), Limits(**made_by)
+    shown, limits, subject = cli.read_map(map), Limits(**made_by), None
     if against.suffix.lower() in cli.MAPS:
-        return judge(map.name, shown, cli.read_map(against), limits)
-    view = hsr.view(cameras.one(hsr.load(against)), (shown.width, shown.height))
-    return judge(map.name, cli.read_map(map, view), hsr.render(view, "exact"), limits, Subject(view))
+        expected = cli.read_map(against)
+    else:
+        view = hsr.view(cameras.one(hsr.load(against)), (shown.width, shown.height))
+        shown, expected, subject = cli.read_map(map, view), hsr.render(view, "exact"), Subject(view)
+    if limits.made_by:  # whatever the map says itself
+        shown = hsr.testing.modelled(shown, **limits.made_by)
+    return judge(map.name, shown, expected, limits, subject)
 
 
 def _tell(kind: str, found: Judgement, files: list[Path], more: Any, as_json: bool, lines: list[Any]) -> None:

@@ -18,7 +18,7 @@ import numpy as np
 from hsr.algorithms.registry import Method
 from hsr.base.arrays import Array, Pixels
 from hsr.base.errors import MapError, MethodError, UnavailableError
-from hsr.models.foreign import CANDIDATES, model_of, modelled
+from hsr.models.foreign import CANDIDATES, has_model, model_of, modelled
 from hsr.models.rounded import tessellated_truth
 from hsr.models.stages import Cause, Pipeline
 from hsr.pictures.maps import class_picture
@@ -135,9 +135,8 @@ def explained(view: View, answer: VisibilityMap, truth: VisibilityMap) -> tuple[
     Causes or None
         None if no candidate does.
     """
-    method, noted = model_of(answer)
-    if method and method.pipeline:
-        return answer, causes_by(method, view, answer, truth, **noted)
+    if has_model(answer):
+        return answer, causes(view, answer, truth)
     best: tuple[VisibilityMap, Causes | None] = answer, None
     fewest = int(np.count_nonzero(~truth.admits(answer.face))) // 2 + 1
     for candidate in CANDIDATES:

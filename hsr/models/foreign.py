@@ -101,6 +101,12 @@ def model_of(map: VisibilityMap) -> tuple[Method | None, dict[str, Any]]:
     return (models().get(name), told) if name else (methods().get(map.method), {})
 
 
+def has_model(map: VisibilityMap) -> bool:
+    """Tell whether a map notes its model, or is by a method that has models of its own."""
+    method = model_of(map)[0]
+    return bool(method and method.pipeline)
+
+
 def told_of(map: VisibilityMap) -> str:
     """Write the model that a map notes: ``float32, subpixel_bits 4``; empty if it notes none."""
     name, *parameters = map.notes.get(MODEL, {MODEL: ""}).items()

@@ -51,8 +51,9 @@ def assert_agree(
     camera : str, optional
         Name of the scene's camera, its first by default.
     **limits
-        ``max_diff_pixels``, ``max_diff_ratio``, ``max_cluster``, ``depth_ulps``, ``allow``; see
-        :class:`hsr.testing.limits.Limits`. Without any no sample may differ.
+        ``max_diff_pixels``, ``max_diff_ratio``, ``max_cluster``, ``max_in_window``, ``expect_diff``,
+        ``depth_ulps``, ``allow``, and ``model`` with its parameters; see :class:`hsr.testing.limits.Limits`.
+        Without any no sample may differ.
 
     Raises
     ------

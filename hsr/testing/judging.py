@@ -17,7 +17,7 @@ from hsr.difference.classes import OTHER_OWNER, Cluster, Difference, agreed_dept
 from hsr.difference.diagnosis import Diagnosis, diagnose
 from hsr.difference.history import explain, history
 from hsr.mistakes.planted import MISTAKES, planted
-from hsr.models.foreign import modelled, told_of
+from hsr.models.foreign import has_model, modelled, told_of
 from hsr.models.stages import Cause
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View, view
@@ -261,7 +261,7 @@ def judge(
     CheckError
         If depths are to be judged that a map does not tell.
     """
-    if limits.made_by:
+    if limits.made_by and not has_model(shown):
         shown = modelled(shown, **limits.made_by)
     difference = compare(shown, expected)
     truth = _truth(expected, subject)

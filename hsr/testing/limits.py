@@ -60,8 +60,9 @@ class Limits:
     allow : frozenset of str
         Causes that are forgiven: samples put down to them do not count. See ``CAUSES``.
     model, subpixel_bits, depth_format, fill_rule
-        By which model the judged map was made, see :func:`hsr.testing.modelled`. Without one it is that of
-        its method, or the one of several that explains most, if it explains half: see ``CANDIDATES``.
+        By which model the judged map was made, see :func:`hsr.testing.modelled`, if it does not say so itself
+        and its method has no models. Without one it is the one of several that explains most, if it explains
+        half: see ``hsr.models.foreign.CANDIDATES``.
     origin : mapping
         Who set each limit, by its name.
 

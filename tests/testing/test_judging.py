@@ -174,6 +174,14 @@ def test_a_picture_from_outside_has_causes(
     assert judge("mine", mine, truth, allowed, Subject(box)).passed
 
 
+def test_a_model_for_all_is_none_of_maps_that_have_their_own(box: View) -> None:
+    painted, truth = hsr.render(box, "backface"), hsr.render(box, "exact")
+    found = judge("painted", painted, truth, Limits(model="float32"), Subject(box))
+    assert set(found.counts) == {"no depth test"}
+    noted = from_ids(painted.face, model="backface")
+    assert judge("noted", noted, truth, Limits(model="float32"), Subject(box)).counts == found.counts
+
+
 @pytest.mark.jit
 def test_polygons_in_place_of_curved_shapes_are_found_untold(scenes: Path) -> None:
     solids = hsr.view(hsr.load(scenes / "solids.toml"), (64, 48))
