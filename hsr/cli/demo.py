@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
+import time
 import webbrowser
 from functools import partial
 from pathlib import Path
@@ -20,6 +22,9 @@ if TYPE_CHECKING:
 
 FIRST = ("exact", "opengl", "embree-packets", "embree")
 """What draws soonest after installation, when nothing is compiled."""
+
+EVERY = 2.0
+"""Seconds between two versions of the page: writing one takes some of them from the methods."""
 
 
 @with_cameras
@@ -53,9 +58,14 @@ def demo(
     if browse and _has_desktop():
         webbrowser.open(output.resolve().as_uri())
 
+    written = -math.inf
+
     def show(found: Study) -> None:
+        nonlocal written
         pending = [name for name in names if name not in found.maps and name not in found.skipped]
-        write_report([found], output, pending=pending)
+        if not pending or time.monotonic() - written > EVERY:
+            write_report([found], output, pending=pending)
+            written = time.monotonic()
 
     with cli.progress(quiet, len(names)) as step:
         how = partial(study, name=scene.stem, progress=step, ahead=Ahead(scene, names), each=show)
