@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -17,6 +18,31 @@ Files = Annotated[list[Path], Argument(help="Scene or mesh files.")]
 SchemaFile = Annotated[Path | None, Argument(help="File to write; standard output by default.")]
 
 scene_app = Typer(help="Check and describe scene files.", no_args_is_help=True)
+
+
+@scene_app.command()
+def init(mesh: cli.SceneFile, output: cli.SceneOutput = None) -> None:
+    """Write a scene file for a mesh, with a comment on every key: to be edited.
+
+    For example:
+
+        hsr scene init bunny.obj -o bunny.toml
+    """
+    from hsr.scene.writing import to_toml
+
+    loaded = hsr.load(mesh)
+    folder = Path(os.path.relpath(loaded.folder, output.parent if output else "."))
+    things = (
+        thing.model_copy(update={"file": (folder / file).as_posix()}) if file else thing
+        for thing in loaded.object
+        for file in [getattr(thing, "file", None)]
+    )
+    text = to_toml(loaded.model_copy(update={"object": tuple(things)}), explained=True)
+    if output is None:
+        print(text, end="")
+    else:
+        write_whole(output, text, "the scene", SceneError)
+        cli.say(f"wrote {output}; 'hsr render {output}' shows it")
 
 
 @scene_app.command()

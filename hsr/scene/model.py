@@ -106,7 +106,9 @@ Name = Annotated[str, Field(min_length=1, max_length=80), Printable]
 class Description(BaseModel):
     """Base of every part of a scene file: frozen, strict, no unknown key, no NaN."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, strict=True, allow_inf_nan=False, use_attribute_docstrings=True
+    )
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
@@ -132,6 +134,7 @@ class AnyCamera(Description):
     """
 
     name: Name = "main"
+    """What it is called: by this it is chosen."""
 
     def __init__(self, **keys: Any) -> None:
         (kind,) = get_args(type(self).model_fields["type"].annotation)
@@ -159,8 +162,11 @@ class Placed(AnyCamera):
         near: float
         far: Any
     eye: Vector
+    """Where it stands, in world space."""
     target: Vector = (0.0, 0.0, 0.0)
+    """The point it looks at."""
     up: Vector = (0.0, 1.0, 0.0)
+    """What is up in the picture: any direction but that of sight."""
 
     def _check(self) -> None:
         if self.eye == self.target:
@@ -184,19 +190,28 @@ class Perspective(Placed):
     """A pinhole camera. Without ``far`` it sees to infinity, as in glTF."""
 
     type: Literal["perspective"]
+    """The kind of camera."""
     fov: Annotated[float, Field(gt=0.0, lt=180.0)] = 45.0
+    """Field of view along `fov_axis`, in degrees."""
     fov_axis: Literal["y", "x", "min"] = "y"
+    """The axis of the image that `fov` is measured along; min: the shorter one."""
     near: PositiveFloat = 0.1
+    """Least depth that is seen, in scene units along the view axis."""
     far: PositiveFloat | None = None
+    """Greatest depth that is seen; without it there is none."""
 
 
 class Orthographic(Placed):
     """A parallel camera; ``height`` is that of the viewed volume, in scene units."""
 
     type: Literal["orthographic"]
+    """The kind of camera."""
     height: PositiveFloat
+    """Height of what is seen, in scene units."""
     near: float = 0.0
+    """Least depth that is seen; may lie behind the eye."""
     far: float
+    """Greatest depth that is seen."""
 
 
 class MatrixCamera(AnyCamera):
@@ -206,7 +221,9 @@ class MatrixCamera(AnyCamera):
     """
 
     type: Literal["matrix"]
+    """The kind of camera."""
     matrix: Invertible
+    """From world to clip space, 4 x 4, row by row."""
 
 
 Camera = Annotated[Perspective | Orthographic | MatrixCamera, Field(discriminator="type")]
@@ -226,11 +243,17 @@ class Step(Description):
     model_config = ConfigDict(json_schema_extra={"minProperties": 1, "maxProperties": 1})
 
     translate: Vector | None = None
+    """Move by x, y, z."""
     scale: Scale | None = None
+    """Scale by one factor, or by one an axis."""
     rotate_x: float | None = None
+    """Turn about the x axis, in degrees."""
     rotate_y: float | None = None
+    """Turn about the y axis, in degrees."""
     rotate_z: float | None = None
+    """Turn about the z axis, in degrees."""
     matrix: Affine | None = None
+    """Any affine matrix, 4 x 4, row by row."""
 
     def _check(self) -> None:
         if len(self.given) != 1:
@@ -251,10 +274,15 @@ class Scatter(Description):
     """
 
     count: Annotated[int, Field(ge=1, le=1_000_000)]
+    """How many copies."""
     x: Pair
+    """Where on the x axis: from, to."""
     z: Pair
+    """Where on the z axis: from, to."""
     scale: Pair = (1.0, 1.0)
+    """By how much each is scaled: from, to."""
     seed: Annotated[int, Field(ge=0)] = 0
+    """The same seed gives the same copies."""
 
     def _check(self) -> None:
         if self.x[0] > self.x[1] or self.z[0] > self.z[1]:
@@ -269,28 +297,36 @@ class Thing(Description):
     if TYPE_CHECKING:
         shape: str
     name: Name
+    """What it is called; its faces bear this name."""
     transform: List[Step] = ()
+    """Steps from object space into the world, the first applied first."""
     cull: Literal["none", "back", "front"] = "none"
+    """Which of its faces take no part: none, back or front."""
     colour: Colour = (0.8, 0.8, 0.8)
+    """Red, green, blue, each from 0 to 1: for the picture only."""
     scatter: Scatter | None = None
+    """Copies strewn over the ground."""
 
 
 class Square(Thing):
     """The generic square: ``z = 0``, ``|x|, |y| <= 1``. One face, its front toward +z."""
 
     shape: Literal["square"]
+    """What it is."""
 
 
 class Cube(Thing):
     """The generic cube: ``|x|, |y|, |z| <= 1``. Faces: top, bottom, right, left, front, back."""
 
     shape: Literal["cube"]
+    """What it is."""
 
 
 class Sphere(Thing):
     """The generic sphere: radius 1 about the origin. One face."""
 
     shape: Literal["sphere"]
+    """What it is."""
 
 
 class Cylinder(Thing):
@@ -300,7 +336,9 @@ class Cylinder(Thing):
     """
 
     shape: Literal["cylinder"]
+    """What it is."""
     top: Annotated[float, Field(ge=0.0)] = 1.0
+    """Radius at the cap; 0 makes a cone."""
 
 
 def _check_indices(faces: Any, vertices: Any) -> None:
@@ -319,8 +357,11 @@ class Polyhedron(Thing):
     """
 
     shape: Literal["polyhedron"]
+    """What it is."""
     vertices: Annotated[List[Vector], Field(min_length=4)]
+    """Corners x, y, z, in object space."""
     faces: Annotated[List[Loop], Field(min_length=4)]
+    """The corners of each face by their places, counted from 0, counter-clockwise from outside."""
 
     def _check(self) -> None:
         _check_indices(self.faces, self.vertices)
@@ -333,10 +374,15 @@ class Mesh(Thing):
     """
 
     shape: Literal["mesh"]
+    """What it is."""
     file: str | None = None
+    """Mesh file, relative to the folder of the scene file."""
     part: str | None = None
+    """One geometry of a glTF file."""
     vertices: List[Vector] | None = None
+    """Corners x, y, z, in place of a file."""
     faces: List[Triangle] | None = None
+    """Triangles: three places of corners each, counted from 0."""
 
     def _check(self) -> None:
         given = [self.file is None, self.vertices is not None, self.faces is not None]
@@ -351,7 +397,9 @@ class Teapot(Thing):
     """The Utah teapot from its 32 Bezier patches, each cut into ``detail`` x ``detail`` quads."""
 
     shape: Literal["teapot"]
+    """What it is."""
     detail: Annotated[int, Field(ge=2, le=64)] = 8
+    """Quads along each side of a patch."""
 
 
 class TorusKnot(Thing):
@@ -361,11 +409,17 @@ class TorusKnot(Thing):
     """
 
     shape: Literal["torus-knot"]
+    """What it is."""
     p: Annotated[int, Field(ge=1, le=20)] = 2
+    """Turns about the axis of the torus."""
     q: Annotated[int, Field(ge=1, le=20)] = 3
+    """Turns through its hole."""
     segments: Annotated[int, Field(ge=8, le=4096)] = 256
+    """Pieces along the knot."""
     sides: Annotated[int, Field(ge=3, le=256)] = 16
+    """Sides of the tube."""
     thickness: PositiveFloat = 0.35
+    """Radius of the tube."""
 
     def _check(self) -> None:
         if math.gcd(self.p, self.q) != 1:
@@ -376,25 +430,35 @@ class Terrain(Thing):
     """A fractal height field over ``|x|, |z| <= 1``: midpoint displacement, ``2**detail`` cells a side."""
 
     shape: Literal["terrain"]
+    """What it is."""
     detail: Annotated[int, Field(ge=1, le=10)] = 7
+    """Halvings: 2^detail cells a side."""
     roughness: Annotated[float, Field(gt=0.0, lt=1.0)] = 0.5
+    """How much lower each finer displacement is."""
     height: PositiveFloat = 0.5
+    """Greatest displacement."""
     seed: Annotated[int, Field(ge=0)] = 0
+    """The same seed gives the same land."""
 
 
 class Menger(Thing):
     """The Menger sponge of the cube ``|x|, |y|, |z| <= 1``, ``level`` times drilled."""
 
     shape: Literal["menger"]
+    """What it is."""
     level: Annotated[int, Field(ge=0, le=4)] = 2
+    """How often it is drilled."""
 
 
 class Fir(Thing):
     """A fir tree of height 1 standing on the origin: a trunk and ``tiers`` jagged cones."""
 
     shape: Literal["fir"]
+    """What it is."""
     tiers: Annotated[int, Field(ge=1, le=16)] = 5
+    """Cones above each other."""
     sides: Annotated[int, Field(ge=3, le=256)] = 32
+    """Sides of each cone."""
 
 
 if TYPE_CHECKING:
@@ -410,23 +474,31 @@ class Ambient(Description):
     """Light from everywhere."""
 
     type: Literal["ambient"]
+    """The kind of light."""
     colour: Colour = (0.2, 0.2, 0.2)
+    """Red, green, blue, each from 0 to 1."""
 
 
 class Directional(Description):
     """Light from infinitely far away, travelling along ``direction`` (world space)."""
 
     type: Literal["directional"]
+    """The kind of light."""
     direction: Direction
+    """Where its rays go, in world space."""
     colour: Colour = (0.8, 0.8, 0.8)
+    """Red, green, blue, each from 0 to 1."""
 
 
 class Point(Description):
     """Light from one point of the world, not weakened by distance."""
 
     type: Literal["point"]
+    """The kind of light."""
     position: Vector
+    """Where it is, in world space."""
     colour: Colour = (0.8, 0.8, 0.8)
+    """Red, green, blue, each from 0 to 1."""
 
 
 Light = Annotated[Ambient | Directional | Point, Field(discriminator="type")]
@@ -443,13 +515,21 @@ class Scene(Description):
     """
 
     hsr: Literal[1] = 1
+    """Version of scene files."""
     title: str = ""
+    """What people call it."""
     about: str = ""
+    """What it shows, in a sentence or two."""
     background: Colour = (1.0, 1.0, 1.0)
+    """Red, green, blue, each from 0 to 1."""
     segments: Annotated[int, Field(ge=3, le=1024)] = 48
+    """Sides that stand for a circle where curved shapes are cut into polygons."""
     camera: List[Camera] = ()
+    """Where to look from; the first is used unless another is named."""
     object: Annotated[List[Object], Field(min_length=1)]
+    """What there is."""
     light: List[Light] = ()
+    """What lights the picture."""
     _folder: Path = PrivateAttr(default=Path())
     _file: str = PrivateAttr(default="")
     _cameras: tuple[Camera, ...] = PrivateAttr(default=())

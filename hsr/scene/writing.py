@@ -9,12 +9,12 @@ from typing import Any
 
 from hsr.base.errors import SceneError
 from hsr.base.files import write_whole
-from hsr.scene.model import Scene
+from hsr.scene.model import Description, Scene
 
 INDENT = "  "
 
 
-def to_toml(scene: Scene) -> str:
+def to_toml(scene: Scene, explained: bool = False) -> str:
     """Write a scene as TOML.
 
     Only the keys that were given are written, not the defaults. Names of mesh files stay as they
@@ -23,6 +23,8 @@ def to_toml(scene: Scene) -> str:
     Parameters
     ----------
     scene : Scene
+    explained : bool
+        Whether to write above each key what it says, and the keys that were not given as comments.
 
     Returns
     -------
@@ -32,10 +34,11 @@ def to_toml(scene: Scene) -> str:
     # Unset, not default: -0.0 equals 0.0, and yet is another number.
     tables = {"hsr": scene.hsr, **scene.model_dump(exclude_unset=True, exclude_none=True)}
     plain = {key: value for key, value in tables.items() if not _is_tables(value)}
-    parts = [_table(plain)]
+    write = _explained if explained else _table
+    parts = [write(plain, scene)]
     for key, value in tables.items():
         if _is_tables(value):
-            parts += [f"[[{key}]]\n{_table(table)}" for table in value]
+            parts += [f"[[{key}]]\n{write(*pair)}" for pair in zip(value, getattr(scene, key), strict=True)]
     return "\n".join(parts)
 
 
@@ -54,8 +57,20 @@ def _is_tables(value: Any) -> bool:
     return isinstance(value, tuple) and bool(value) and isinstance(value[0], Mapping)
 
 
-def _table(table: Mapping[str, Any]) -> str:
+def _table(table: Mapping[str, Any], _: Description) -> str:
     return "".join(f"{key} = {_rows(value)}\n" for key, value in table.items())
+
+
+def _explained(table: Mapping[str, Any], part: Description) -> str:
+    """Write a table with what its keys say; those that it has not, with their defaults, are comments."""
+    lines = []
+    for key, field in type(part).model_fields.items():
+        if key in table:
+            lines.append(f"# {field.description}\n{key} = {_rows(table[key])}\n")
+        elif not isinstance(part, Scene) or key not in ("camera", "object", "light"):  # they follow
+            default = "" if field.default is None else _rows(field.default)
+            lines.append(f"# {field.description}\n# {key} = {default}".rstrip() + "\n")
+    return "".join(lines)
 
 
 def _rows(value: Any) -> str:

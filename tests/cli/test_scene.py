@@ -6,6 +6,9 @@ import json
 from pathlib import Path
 from typing import Any
 
+import hsr
+from hsr.scene.info import schema
+
 CUBE = "scenes/cube.toml"
 
 
@@ -24,3 +27,30 @@ def test_scene_info_and_schema(run: Any, tmp_path: Path) -> None:
     assert json.loads(run("scene", "schema")[1])["properties"]["hsr"]
     target = tmp_path / "schema.json"
     assert run("scene", "schema", str(target))[0] == 0 and json.loads(target.read_text(encoding="utf-8"))
+
+
+def test_scene_init_writes_what_can_be_edited(run: Any, tmp_path: Path) -> None:
+    (tmp_path / "meshes").mkdir()
+    mesh, target = tmp_path / "meshes" / "t.obj", tmp_path / "t.toml"
+    mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", encoding="utf-8")
+    code, out, _ = run("scene", "init", str(mesh), "-o", str(target))
+    assert code == 0 and out == f"wrote {target}; 'hsr render {target}' shows it\n"
+    text = target.read_text(encoding="utf-8")
+    assert 'file = "meshes/t.obj"' in text and "# far =\n" in text and '# cull = "none"\n' in text
+    before, after = hsr.load(mesh), hsr.load(target)
+    assert (after.camera, after.light) == (before.camera, before.light)
+    assert hsr.view(after, (8, 8)).hashes == hsr.view(before, (8, 8)).hashes
+    lines = [line for line in text.splitlines() if line]
+    assert all(line.startswith(("#", "[[")) or lines[k - 1].startswith("# ") for k, line in enumerate(lines))
+
+
+def test_the_schema_describes_every_key() -> None:
+    whole = schema()
+    tables = {"Scene": whole, **whole["$defs"]}
+    bare = [
+        f"{name}.{key}"
+        for name, table in tables.items()
+        for key, what in table.get("properties", {}).items()
+        if "description" not in what
+    ]
+    assert bare == []
