@@ -48,6 +48,11 @@ def output(about: str, *endings: str, name: str = "--output", **more: Any) -> An
     return Option(*names, help=about, callback=check, **more)
 
 
+def method_completion(incomplete: str) -> list[str]:
+    """Return the methods whose names begin so, for the shell."""
+    return [name for name in hsr.methods() if name.startswith(incomplete)]
+
+
 Text = str | None
 """Of an option that may be left out."""
 
@@ -57,7 +62,12 @@ Texts = list[str] | None
 Json = Annotated[bool, Option("--json", help="Print JSON instead of a table.")]
 Quiet = Annotated[bool, Option("--quiet", "-q", help="No progress, no notes.")]
 Verbose = Annotated[bool, Option("--verbose", "-v", help="Also print work counts and clusters.")]
-Methods = Annotated[Texts, Option("--method", "-a", help="Method, repeatable; 'hsr algos' lists them.")]
+Methods = Annotated[
+    Texts,
+    Option(
+        "--method", "-a", help="Method, repeatable; 'hsr algos' lists them.", autocompletion=method_completion
+    ),
+]
 Size = Annotated[str, Option(help="Image size in pixels, WxH or N.")]
 SceneFiles = Annotated[list[Path], Argument(help="Scenes or mesh files.")]
 SceneFile = Annotated[Path, Argument(help="Scene or mesh file.")]

@@ -90,3 +90,7 @@ def test_what_cannot_be_written_is_refused_before_any_work(
 
 def test_endings_may_be_written_in_capitals(tmp_path: Path) -> None:
     common.check_file(tmp_path / "A.HTML", ".html")
+
+
+def test_the_shell_completes_methods() -> None:
+    assert common.method_completion("zb") == ["zbuffer", "zbuffer-plain"]
