@@ -33,6 +33,9 @@ FARTHEST, EMPTY = 2**9 - 2, 2**9 - 1
 FINE = 32
 """Steps of a pixel in which the ends of edges are kept."""
 
+BAND = 8
+"""Height in pixels of the bands in which they are listed."""
+
 NEAR_ENOUGH = 2**24
 """Pixels from the corner of the image within which they are."""
 
@@ -237,7 +240,11 @@ def _drawing(view: View | None, base: _Whole, told: Ints) -> dict[str, Any]:
 
 def _edges(view: View, faces: Ints) -> dict[str, Any]:
     points, ends = outlines(view, faces)
-    places = FINE * points.T
+    # In bands across the image, what lies near each other is also listed so: differences are small.
+    order = np.lexsort((points[:, 0], points[:, 1] // BAND))
+    ends = np.sort(np.argsort(order)[ends].astype(np.uint32), axis=1)
+    ends = ends[np.lexsort((ends[:, 1], ends[:, 0]))]
+    places = FINE * points[order].T
     if np.abs(points).max(initial=0.0) < NEAR_ENOUGH:
         places = np.rint(places).astype(np.int32)
     return {"points": pack(places, *([1] if places.dtype == np.int32 else [])), "ends": pack(ends.T, 1)}

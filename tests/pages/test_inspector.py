@@ -129,8 +129,9 @@ def test_hidden_edges_are_those_of_faces_in_histories(told: Any, real: Study) ->
         (np.array(sorted(met - set(seen.tolist()))), told["hidden"]),
     ):
         points, ends = outlines(real.view, faces.astype(np.int32))
-        assert len(ends) and pytest.approx(FINE * points, abs=0.5) == unpack(edges["points"]).T
-        assert np.array_equal(unpack(edges["ends"]).T, ends)
+        kept = unpack(edges["points"]).T[unpack(edges["ends"]).T].tolist()
+        lines = np.rint(FINE * points).astype(int)[ends].tolist()
+        assert len(ends) and sorted(map(sorted, kept)) == sorted(map(sorted, lines))
 
 
 def test_without_exact_answers_there_are_no_stories(studied: Study, monkeypatch: pytest.MonkeyPatch) -> None:
