@@ -67,7 +67,7 @@ def compare(
         if output is not None:
             from hsr.pages.report import write_report
 
-            write_report(studies, output, progress=step, histories=explained)
+            write_report(studies, output, progress=step, histories=explained, store=store)
     store.trim()
     if as_json:
         cli.print_json("compare", {"studies": [found.to_json() for found in studies]})

@@ -18,6 +18,7 @@ from markupsafe import Markup
 from hsr.algorithms.registry import methods
 from hsr.base.errors import HsrError
 from hsr.base.files import write_whole
+from hsr.base.store import Store
 from hsr.difference.classes import DIFFERENT, SampleClass
 from hsr.difference.study import Progress, Study, causes_of
 from hsr.models.stages import Cause
@@ -27,6 +28,7 @@ from hsr.pages.shading import shade
 from hsr.pages.stories import HISTORIES, LISTED
 from hsr.pictures.palette import CAUSE_COLOURS, CLASS_COLOURS
 from hsr.pictures.png import data_uri
+from hsr.problem.geometry import digest_of
 
 TITLE = "Which surface does the eye see?"
 
@@ -41,6 +43,7 @@ def write_report(
     progress: Progress | None = None,
     pending: Sequence[str] = (),
     histories: int | None = HISTORIES,
+    store: Store | None = None,
 ) -> None:
     """Write :func:`report_page` as a file.
 
@@ -57,7 +60,7 @@ def write_report(
     HsrError
         If there is nothing to report, or the file cannot be written.
     """
-    write_whole(path, report_page(studies, title, progress, pending, histories, path), "the report")
+    write_whole(path, report_page(studies, title, progress, pending, histories, path, store), "the report")
 
 
 def report_page(
@@ -67,6 +70,7 @@ def report_page(
     pending: Sequence[str] = (),
     histories: int | None = HISTORIES,
     path: str | Path | None = None,
+    store: Store | None = None,
 ) -> str:
     """Return a report on several studies as one HTML page that needs no network.
 
@@ -89,6 +93,8 @@ def report_page(
         one that does; those that the page links to have theirs in any case.
     path : str or Path, optional
         Where the page will lie, for links to the project's other pages.
+    store : Store, optional
+        Where what the inspector shows is looked up, and kept.
 
     Raises
     ------
@@ -104,8 +110,25 @@ def report_page(
     for found in studies:
         if progress is not None:
             progress(f"histories of {found.name}")
-        data.append(inspection(found, histories))
+        data.append(_inspection(found, histories, store))
     return _page(studies, path, title, data, pending)
+
+
+def _inspection(found: Study, histories: int | None, store: Store | None) -> dict[str, Any]:
+    """Look up what the inspector shows of a study, or gather it."""
+    if store is None:
+        return inspection(found, histories)
+    maps = [
+        (name, digest_of([map.face.tobytes(), map.depth.tobytes()]), map.notes.get("driver"))
+        for name, map in found.maps.items()
+    ]
+    scene = (found.scene.model_dump_json(), found.scene.file, found.scene.cameras_of_file, found.view.hashes)
+    parts = ("inspection", found.name, found.camera, found.reference, histories, maps, scene)
+    data: dict[str, Any] | None = store.get(*parts)
+    if data is None:
+        data = inspection(found, histories)
+        store.put(data, *parts)
+    return data
 
 
 def _page(

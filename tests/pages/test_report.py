@@ -14,9 +14,11 @@ import numpy as np
 import pytest
 
 from hsr.base.errors import HsrError
+from hsr.base.store import Store
 from hsr.difference.cause import Causes
 from hsr.difference.study import RECALLED, Study
 from hsr.models.stages import Cause
+from hsr.pages import report
 from hsr.pages.inspector import fragment, inspection
 from hsr.pages.report import _extent, _figures, _milliseconds, _note, write_report
 from hsr.pages.shading import shade
@@ -190,6 +192,22 @@ def test_nothing_to_report(studied: Study, tmp_path: Path) -> None:
         write_report([], tmp_path / "r.html")
     with pytest.raises(HsrError, match="every method was skipped"):
         write_report([replace(studied, maps={})], tmp_path / "r.html")
+
+
+def test_what_the_inspector_shows_is_kept(
+    studied: Study, studied_alone: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store, asked = Store(tmp_path / "store"), []
+
+    def gather(found: Study, histories: int | None) -> dict[str, Any]:
+        asked.append((found.name, histories))
+        return inspection(found, histories)
+
+    monkeypatch.setattr(report, "inspection", gather)
+    for histories in (4, 4, 5):
+        write_report([studied], tmp_path / f"{histories}.html", histories=histories, store=store)
+    write_report([studied_alone], tmp_path / "alone.html", histories=4, store=store)
+    assert asked == [(studied.name, 4), (studied.name, 5), (studied_alone.name, 4)]
 
 
 def test_times_that_were_not_measured_now_bear_a_star(studied: Study, tmp_path: Path) -> None:

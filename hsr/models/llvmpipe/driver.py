@@ -138,7 +138,8 @@ def drawn_at(view: View, face: int, sample: int) -> Drawn | None:
         None if it draws no triangle of the face.
     """
     edges, _, _, plane, faces = _all_drawn(view)
-    first, end = (np.searchsorted(faces, np.int32(face), side=side) for side in ("left", "right"))
+    # A number of another type would have all faces copied each time.
+    first, end = (np.searchsorted(faces, faces.dtype.type(face), side=side) for side in ("left", "right"))
     if first == end:
         return None
     column, up = sample % view.width, view.height - 1 - sample // view.width
