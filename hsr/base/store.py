@@ -53,13 +53,23 @@ class Store:
         ``$HSR_STORE_MB``, else 1000.
     fresh : bool
         Whether to find nothing, and keep what is made anew.
+
+    Raises
+    ------
+    HsrError
+        If ``$HSR_STORE_MB`` is no number.
     """
 
     def __init__(self, folder: Path | None = None, megabytes: int | None = None, fresh: bool = False) -> None:
         self.fresh = fresh
         caches = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
         self.folder = folder or Path(os.environ.get(PLACE) or Path(caches) / "hsr")
-        self.limit = 2**20 * (megabytes or int(os.environ.get(LIMIT) or MEGABYTES))
+        told = megabytes or os.environ.get(LIMIT) or MEGABYTES
+        if not str(told).isdecimal():
+            raise HsrError(
+                f"{LIMIT}={told}: write how many megabytes the store may hold, such as {MEGABYTES}"
+            )
+        self.limit = 2**20 * int(told)
 
     def place(self, *parts: Any) -> Path:
         """Return where the result lies that is made of parts, values that ``repr`` tells whole."""

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from hsr.base import store
+from hsr.base.errors import HsrError
 from hsr.base.store import Store
 
 
@@ -52,3 +53,9 @@ def test_a_place_where_nothing_can_be_written_keeps_nothing(tmp_path: Path) -> N
     kept.put("result", "map")
     kept.trim()
     assert kept.get("map") is None
+
+
+def test_a_limit_that_is_no_number_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HSR_STORE_MB", "1 GB")
+    with pytest.raises(HsrError, match="HSR_STORE_MB=1 GB: write how many megabytes"):
+        Store()
