@@ -67,7 +67,7 @@ class Store:
         told = megabytes or os.environ.get(LIMIT) or MEGABYTES
         if not str(told).isdecimal():
             raise HsrError(
-                f"{LIMIT}={told}: write how many megabytes the store may hold, such as {MEGABYTES}"
+                f"{LIMIT}={told}: write a number of megabytes, such as {MEGABYTES}"
             )
         self.limit = 2**20 * int(told)
 

@@ -57,5 +57,5 @@ def test_a_place_where_nothing_can_be_written_keeps_nothing(tmp_path: Path) -> N
 
 def test_a_limit_that_is_no_number_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HSR_STORE_MB", "1 GB")
-    with pytest.raises(HsrError, match="HSR_STORE_MB=1 GB: write how many megabytes"):
+    with pytest.raises(HsrError, match="HSR_STORE_MB=1 GB: write a number of megabytes"):
         Store()
