@@ -66,9 +66,7 @@ class Store:
         self.folder = folder or Path(os.environ.get(PLACE) or Path(caches) / "hsr")
         told = megabytes or os.environ.get(LIMIT) or MEGABYTES
         if not str(told).isdecimal():
-            raise HsrError(
-                f"{LIMIT}={told}: write a number of megabytes, such as {MEGABYTES}"
-            )
+            raise HsrError(f"{LIMIT}={told}: write a number of megabytes, such as {MEGABYTES}")
         self.limit = 2**20 * int(told)
 
     def place(self, *parts: Any) -> Path:
