@@ -114,7 +114,7 @@ class Method:
         except Exception as error:
             if self.ours or isinstance(error, HsrError):
                 raise
-            raise MethodError(f"{self.name}: it broke down: {_told(error)}") from error
+            raise MethodError(f"{self.name}: it broke down: {_told(error).rstrip(': ')}") from error
         size = (view.height, view.width)
         if not isinstance(answer, VisibilityMap) or not answer.face.shape == answer.depth.shape == size:
             raise MethodError(f"{self.name}: its answer is no map of {view.width}x{view.height} samples")

@@ -57,7 +57,7 @@ class VisibilityError(HsrError, AssertionError):
 
 def nearest(word: object, known: Iterable[str]) -> str:
     """Return ``did you mean ...? `` if a known word is near, else nothing."""
-    near = difflib.get_close_matches(str(word), known, n=1)
+    near = difflib.get_close_matches(word, known, n=1) if isinstance(word, str) else []
     return f"did you mean {near[0]!r}? " if near else ""
 
 

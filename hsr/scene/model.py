@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import reduce
 from operator import or_
@@ -507,6 +508,14 @@ Light = Annotated[Ambient | Directional | Point, Field(discriminator="type")]
 # ---------------------------------------------------------------- the scene
 
 
+@dataclass(frozen=True)
+class Origin:
+    """Where a scene was read from, which makes it no other scene: all are equal."""
+
+    file: str = field(default="", compare=False)
+    cameras: tuple[Camera, ...] = field(default=(), compare=False)
+
+
 class Scene(Description):
     """A scene file: cameras, objects, lights, and how finely curved shapes are cut.
 
@@ -531,8 +540,7 @@ class Scene(Description):
     light: List[Light] = ()
     """What lights the picture."""
     _folder: Path = PrivateAttr(default=Path())
-    _file: str = PrivateAttr(default="")
-    _cameras: tuple[Camera, ...] = PrivateAttr(default=())
+    _origin: Origin = PrivateAttr(default=Origin())
     geometry: ClassVar[Any]
     """The objects in world space, for all views: a property, given by :mod:`hsr.problem.geometry`."""
     _repr_html_: ClassVar[Any]
@@ -546,17 +554,17 @@ class Scene(Description):
     @property
     def file(self) -> str:
         """The file it was read from, as it was named; empty if it was not."""
-        return self._file
+        return self._origin.file
 
     @property
     def cameras_of_file(self) -> tuple[Camera, ...]:
         """The cameras of that file, whichever the scene has now."""
-        return self._cameras
+        return self._origin.cameras
 
     def located(self, folder: Path, file: str = "") -> Scene:
         """Return the same scene with its mesh files in ``folder``, as it was read from ``file``."""
         scene = self.model_copy()
-        scene._folder, scene._file, scene._cameras = folder, file, self.camera
+        scene._folder, scene._origin = folder, Origin(file, self.camera)
         return scene
 
     @field_validator("camera", "object")

@@ -107,7 +107,9 @@ def test_an_unknown_depth_format_is_refused(make_scene: Any) -> None:
 
 
 def test_an_unknown_backend_is_refused() -> None:
-    with pytest.raises(MethodError, match="no backend 'glx'; choose from auto, osmesa, egl"):
+    with pytest.raises(
+        MethodError, match=r"no backend 'glx'; did you mean 'egl'\? choose from auto, osmesa, egl"
+    ):
         hsr.methods()["opengl"].options(backend="glx")
 
 

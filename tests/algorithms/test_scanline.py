@@ -432,7 +432,9 @@ def test_the_order_of_objects_is_the_order_of_overdraw(make_scene: Any) -> None:
     ],
 )
 def test_refused_options_name_the_choices(option: str, value: Any) -> None:
-    with pytest.raises(MethodError, match=f"scanline has no {option} {value!r}; choose from "):
+    with pytest.raises(
+        MethodError, match=f"scanline has no {option} {value!r}; (did you mean .*)?choose from "
+    ):
         methods()["scanline"].options(**{option: value})
 
 

@@ -50,7 +50,7 @@ def drawn(view: View, right: float = 0.0, down: float = 0.0) -> VisibilityMap:
 
 @pytest.mark.jit
 def test_its_mistake_is_named(view: View) -> None:
-    named = "makes the mistake 'lower pixel corner instead of centre', 0 samples would differ"
+    named = "diagnosis: lower pixel corner instead of centre: explains .* without it 0 would"
     with pytest.raises(VisibilityError, match=named):
         assert_agree({"tiny": drawn(view)}, hsr.render(view, "exact"), scene=view)
 
