@@ -288,7 +288,7 @@ def test_an_unfinished_page_loads_itself_until_it_is_whole(
     path = tmp_path / "growing.html"
     write_report([studied], path, pending=["absent"])
     tab = browser.new_page(viewport={"width": 800, "height": 600})
-    tab.goto(path.as_uri())
+    tab.goto(path.as_uri() + "#made-with")
     place = "document.getElementById('overview').getBoundingClientRect().top"
     # In one step: the page may load itself again between two.
     before = tab.evaluate(f"() => {{ scrollTo({{ top: 900, behavior: 'instant' }}); return {place}; }}")
