@@ -39,6 +39,15 @@ class Ahead:
             command = [sys.executable, "-m", __name__, str(scene), *self.cold]
             self.process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
+    def __enter__(self) -> Ahead:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End what nobody waits for any more; each kernel is kept as soon as it is compiled."""
+        if self.process is not None:
+            self.process.kill()
+            self.process.wait()
+
     def order(self, methods: Sequence[Method]) -> list[Method]:
         """Put what is being compiled elsewhere last."""
         return sorted(methods, key=lambda method: method.name in self.cold)

@@ -54,12 +54,12 @@ def compare(
     forbidden, explained = _classes(fail_on or ""), _histories(histories)
     loaded = [pair for path in scenes for pair in cameras.scenes(path.stem, hsr.load(path))]
     asked, names = cli.named(method), cli.names(method)
-    store, ahead = Store(fresh=fresh), Ahead(scenes[0], [*names, ref])
-    studies = []
+    store, studies = Store(fresh=fresh), []
     with cli.progress(quiet, len(loaded) * (len({*names, ref}) + (output is not None))) as step:
-        for name, scene in loaded:
-            how = partial(study, name=name, patient=bool(asked), progress=step, store=store, ahead=ahead)
-            studies.append(how(scene, names, ref, cli.parse_size(size)))
+        with Ahead(scenes[0], [*names, ref]) as ahead:
+            for name, scene in loaded:
+                how = partial(study, name=name, patient=bool(asked), progress=step, store=store, ahead=ahead)
+                studies.append(how(scene, names, ref, cli.parse_size(size)))
         for found in studies:
             # What is missing here and was asked for by name is no mere skipped column.
             for name in found.missing.intersection([*asked, ref]):

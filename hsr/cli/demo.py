@@ -67,8 +67,8 @@ def demo(
             write_report([found], output, pending=pending)
             written = time.monotonic()
 
-    with cli.progress(quiet, len(names)) as step:
-        how = partial(study, name=scene.stem, progress=step, ahead=Ahead(scene, names), each=show)
+    with cli.progress(quiet, len(names)) as step, Ahead(scene, names) as ahead:
+        how = partial(study, name=scene.stem, progress=step, ahead=ahead, each=show)
         how(loaded, names, "exact", cli.parse_size(size))
 
 

@@ -22,7 +22,9 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[list[str]]:
 
     def start(command: list[str], **_: Any) -> Any:
         commands.append(command)
-        return SimpleNamespace(wait=lambda: commands.append(["waited"]))
+        return SimpleNamespace(
+            wait=lambda: commands.append(["waited"]), kill=lambda: commands.append(["killed"])
+        )
 
     monkeypatch.setattr(ahead.subprocess, "Popen", start)
     monkeypatch.setattr(ahead.os, "cpu_count", lambda: 2)
@@ -47,6 +49,12 @@ def test_nothing_is_started_for_what_would_be_waited_for_at_once(
     second = Ahead(CUBE, methods)
     second.wait(method_named(methods[0]))
     assert not asked
+
+
+def test_what_nobody_waits_for_any_more_ends(asked: list[list[str]]) -> None:
+    with Ahead(CUBE, ["zbuffer", "painter"]):
+        pass
+    assert asked[1:] == [["killed"], ["waited"]]
 
 
 def test_the_second_process_draws_a_tiny_picture(monkeypatch: pytest.MonkeyPatch) -> None:
