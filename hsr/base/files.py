@@ -1,8 +1,10 @@
-"""Writing files: whole, or not at all."""
+"""Writing files: whole, or not at all; and the digest of what is written."""
 
 from __future__ import annotations
 
+import hashlib
 import os
+from collections.abc import Iterable
 from pathlib import Path
 
 from hsr.base.errors import HsrError
@@ -51,3 +53,12 @@ def make_folder(path: str | Path) -> Path:
     except OSError as problem:
         raise HsrError(f"{path}: cannot make the folder: {problem.strerror}") from problem
     return Path(path)
+
+
+def digest_of(parts: Iterable[bytes]) -> str:
+    """Return the SHA-256 of some parts; where one ends and the next begins counts."""
+    digest = hashlib.sha256()
+    for part in parts:
+        digest.update(len(part).to_bytes(8, "little"))
+        digest.update(part)
+    return digest.hexdigest()

@@ -8,7 +8,9 @@ zero an infinity instead of an exception. Compiled kernels are cached on disk.
 from __future__ import annotations
 
 import hashlib
+import json
 import os
+import re
 import sys
 from collections.abc import Callable
 from contextlib import suppress
@@ -23,6 +25,8 @@ if "OMP_WAIT_POLICY" not in os.environ:
 import numba
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+IMPORT = re.compile(rb"^from hsr\.([\w.]+) import", re.MULTILINE)
 
 prange = numba.prange
 thread_count = numba.get_num_threads
@@ -47,11 +51,11 @@ def parallel_jit(function: Function) -> Function:
 
 
 def forget_stale_kernels(package: Path) -> None:
-    """Drop all cached kernels if the source of any kernel has changed since they were compiled.
+    """Drop cached kernels made of sources that have changed since they were compiled.
 
     Numba looks at the file of a function only. A kernel cached with an older version of another
     module's function or constant within it would go on computing by that version. Kernels are in the
-    folders where the decorators of this module stand.
+    folders where the decorators of this module stand, and are made of what they import from these.
 
     Parameters
     ----------
@@ -59,19 +63,45 @@ def forget_stale_kernels(package: Path) -> None:
         Where it cannot be written there is no cache in it.
     """
     folders = {file.parent for file in package.rglob("*.py") if b"jit\ndef " in file.read_bytes()}
-    sources = sorted(file for folder in folders for file in folder.glob("*.py"))
-    fingerprint = hashlib.sha256(b"".join(file.read_bytes() for file in sources)).hexdigest()
-    stamp = package / "kernels" / "__pycache__" / "sources.sha256"
+    sources = {file: file.read_bytes() for folder in folders for file in folder.glob("*.py")}
+    made_of = _made_of(package, sources)
+    stamp = package / "kernels" / "__pycache__" / "sources.json"
     try:
-        if stamp.exists() and stamp.read_text(encoding="ascii") == fingerprint:
+        known = json.loads(stamp.read_text(encoding="ascii")) if stamp.exists() else {}
+        if known == made_of:
             return
-        for folder in folders:
-            for cached in (*folder.glob("__pycache__/*.nb[ic]"), *folder.glob("__pycache__/*.compiled")):
-                cached.unlink(missing_ok=True)
+        for name, digest in made_of.items():
+            if known.get(name) != digest:
+                file = package / name
+                for cached in file.parent.glob(f"__pycache__/{file.stem}.*.nb[ic]"):
+                    cached.unlink(missing_ok=True)
+        for cached in stamp.parent.glob("*.compiled"):
+            cached.unlink()
         stamp.parent.mkdir(exist_ok=True)
-        stamp.write_text(fingerprint, encoding="ascii")
-    except OSError:
+        stamp.write_text(json.dumps(made_of), encoding="ascii")
+    except (OSError, ValueError):
         pass
+
+
+def _made_of(package: Path, text: dict[Path, bytes]) -> dict[str, str]:
+    """Return the digest of each source and of all that it imports, by its path in the package."""
+    imported = {file: _imported(package, text, file) for file in text}
+    made = {}
+    for file in text:
+        found: set[Path] = set()
+        new = {file}
+        while new:
+            found |= new
+            new = set().union(*(imported[source] for source in new)) - found
+        digest = hashlib.sha256(b"".join(text[source] for source in sorted(found)))
+        made[file.relative_to(package).as_posix()] = digest.hexdigest()
+    return made
+
+
+def _imported(package: Path, text: dict[Path, bytes], file: Path) -> set[Path]:
+    """Return the sources that a file imports from: modules, and all those of a folder."""
+    places = {package.joinpath(*name.decode().split(".")) for name in IMPORT.findall(text[file])}
+    return {source for source in text if source.with_suffix("") in places or source.parent in places}
 
 
 def is_compiled(method: str) -> bool:

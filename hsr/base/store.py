@@ -11,6 +11,7 @@ import hashlib
 import os
 import pickle
 import platform
+import time
 import zlib
 from contextlib import suppress
 from functools import cache
@@ -52,7 +53,7 @@ class Store:
     megabytes : int, optional
         ``$HSR_STORE_MB``, else 1000.
     fresh : bool
-        Whether to find nothing, and keep what is made anew.
+        Whether to find only what has been kept since now, by whichever process.
 
     Raises
     ------
@@ -61,7 +62,7 @@ class Store:
     """
 
     def __init__(self, folder: Path | None = None, megabytes: int | None = None, fresh: bool = False) -> None:
-        self.fresh = fresh
+        self.since = time.time() if fresh else 0.0
         caches = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
         self.folder = folder or Path(os.environ.get(PLACE) or Path(caches) / "hsr")
         told = megabytes or os.environ.get(LIMIT) or MEGABYTES
@@ -76,11 +77,12 @@ class Store:
 
     def get(self, *parts: Any) -> Any:
         """Return the result that is made of parts, or None."""
-        if self.fresh:
-            return None
+        place = self.place(*parts)
         try:
-            found = pickle.loads(zlib.decompress(self.place(*parts).read_bytes()))
-            self.place(*parts).touch()
+            if place.stat().st_mtime < self.since:
+                return None
+            found = pickle.loads(zlib.decompress(place.read_bytes()))
+            place.touch()
             return found
         except Exception:  # What cannot be read, for whatever reason, is made again.
             return None

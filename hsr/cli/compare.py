@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import nullcontext
+from dataclasses import replace
 from functools import partial
+from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -16,7 +20,14 @@ from hsr.cli import common as cli
 from hsr.cli.cameras import Cameras, with_cameras
 
 if TYPE_CHECKING:
-    from hsr.difference.study import Study
+    from hsr.base.store import Store
+    from hsr.difference.cause import Causes
+    from hsr.difference.study import Progress, Study
+
+Explain = Callable[["Study"], dict[str, "Causes"]]
+
+MANY = 3
+"""So many new scenes are worth the seconds that other processes take to start."""
 
 
 @with_cameras
@@ -51,11 +62,11 @@ def compare(
     from hsr.base.store import Store
     from hsr.difference.study import study
 
-    forbidden, explained = _classes(fail_on or ""), _histories(histories)
+    forbidden, told = _classes(fail_on or ""), _histories(histories)
     loaded = [pair for path in scenes for pair in cameras.scenes(path.stem, hsr.load(path))]
     asked, names = cli.named(method), cli.names(method)
     store, studies = Store(fresh=fresh), []
-    with cli.progress(quiet, len(loaded) * (len({*names, ref}) + (output is not None))) as step:
+    with cli.progress(quiet, len(loaded) * (len({*names, ref}) + 1)) as step:
         with Ahead(scenes[0], [*names, ref]) as ahead:
             for name, scene in loaded:
                 how = partial(study, name=name, patient=bool(asked), progress=step, store=store, ahead=ahead)
@@ -64,10 +75,12 @@ def compare(
             # What is missing here and was asked for by name is no mere skipped column.
             for name in found.missing.intersection([*asked, ref]):
                 raise UnavailableError(found.skipped[name])
+        explain = partial(_causes, store=store, page=output is not None, histories=told)
+        studies = [*_explained(studies, explain, step)]
         if output is not None:
             from hsr.pages.report import write_report
 
-            write_report(studies, output, progress=step, histories=explained, store=store)
+            write_report(studies, output, histories=told, store=store)
     store.trim()
     if as_json:
         cli.print_json("compare", {"studies": [found.to_json() for found in studies]})
@@ -82,6 +95,36 @@ def compare(
     differences = [difference for found in studies for difference in found.differences.values()]
     if any(difference.counts[name] for difference in differences for name in forbidden):
         raise Exit(cli.DIFFERS)
+
+
+def _explained(studies: Sequence[Study], explain: Explain, step: Progress) -> Iterator[Study]:
+    """Say why samples are wrong: of many scenes that are new by several processes."""
+    from hsr.difference.study import RECALLED
+
+    new = sum(any(RECALLED not in map.notes for map in found.maps.values()) for found in studies)
+    apart = ProcessPoolExecutor(mp_context=get_context("spawn"), initializer=_alone) if new >= MANY else None
+    with apart or nullcontext():
+        for found, causes in zip(studies, (apart.map if apart else map)(explain, studies), strict=True):
+            step(f"{found.name}: causes")
+            yield replace(found, causes=causes)
+
+
+def _alone() -> None:
+    """Have a process that is one of several use one thread."""
+    import numba
+
+    numba.set_num_threads(1)
+
+
+def _causes(found: Study, store: Store, page: bool, histories: int | None) -> dict[str, Causes]:
+    """Return why samples of a study are wrong; have the store keep what a page says of it."""
+    from hsr.difference.study import explained
+    from hsr.pages.report import gathered
+
+    found = explained(found, store)
+    if page:
+        gathered(found, histories, store)
+    return found.causes
 
 
 def _histories(text: str | None) -> int | None:

@@ -7,6 +7,7 @@ import os
 import sys
 import time
 import webbrowser
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -18,6 +19,7 @@ from hsr.cli import common as cli
 from hsr.cli.cameras import Cameras, with_cameras
 
 if TYPE_CHECKING:
+    from hsr.difference.cause import Causes
     from hsr.difference.study import Study
 
 FIRST = ("exact", "opengl", "embree-packets", "embree")
@@ -47,7 +49,7 @@ def demo(
         hsr demo bunny.obj --eye 2,2,4
     """
     from hsr.algorithms.ahead import Ahead
-    from hsr.difference.study import study
+    from hsr.difference.study import explained, study
     from hsr.pages.report import write_report
 
     loaded, names = cameras.one(hsr.load(scene)), cli.names(None)
@@ -59,13 +61,15 @@ def demo(
         webbrowser.open(output.resolve().as_uri())
 
     written = -math.inf
+    causes: dict[str, Causes] = {}
 
     def show(found: Study) -> None:
-        nonlocal written
+        nonlocal written, causes
         pending = [name for name in names if name not in found.maps and name not in found.skipped]
         if not pending or time.monotonic() - written > EVERY:
+            found = explained(replace(found, causes=causes))
             write_report([found], output, pending=pending)
-            written = time.monotonic()
+            written, causes = time.monotonic(), found.causes
 
     with cli.progress(quiet, len(names)) as step, Ahead(scene, names) as ahead:
         how = partial(study, name=scene.stem, progress=step, ahead=ahead, each=show)

@@ -250,7 +250,7 @@ def _flat_layers(nearby: Nearby, frame: Frame) -> Iterator[tuple[int, Layer]]:
 
 def _met(nearby: Nearby, frame: Frame) -> dict[int, tuple[Fraction, str]]:
     """Tell of the pairs whose face covers the sample how deep it lies, and what clips it."""
-    triangles = triangles_of(*_opened(nearby.view, frame))
+    triangles = triangles_of(*_opened(nearby.view, frame), nearby.samples)
     ends = (np.searchsorted(triangles.face, nearby.face, side=side) for side in ("left", "right"))
     pair, triangle = ranges(*ends)
     half, at = triangles.half[triangle], frame.exactly_at(nearby.sample[pair])

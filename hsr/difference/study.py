@@ -13,12 +13,12 @@ from hsr.algorithms.ahead import Ahead
 from hsr.algorithms.registry import Method, driver_of, method_named
 from hsr.base.arrays import Array
 from hsr.base.errors import MethodError, UnavailableError
+from hsr.base.files import digest_of
 from hsr.base.jit import is_compiled
 from hsr.base.store import Store
 from hsr.difference.cause import Causes, causes, causes_by
 from hsr.difference.classes import Difference, compare
 from hsr.difference.history import explain
-from hsr.problem.geometry import digest_of
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View, view
 from hsr.scene.model import Scene
@@ -65,7 +65,7 @@ class Study:
     differences : dict of str to Difference
         Every other map against the reference's.
     causes : dict of str to Causes
-        Why the wrong samples of every other map are wrong; empty unless the reference is exact.
+        Why the wrong samples of every other map are wrong, once :func:`explained` if the reference is exact.
     agreement : (M, M) int64
         Number of samples at which two methods show different faces, in the order of ``maps``.
     """
@@ -152,7 +152,7 @@ def study(
     progress : callable, optional
         Called with a method's name before it runs, or with what is done for it first.
     store : Store, optional
-        Where maps and causes are looked up, and kept; maps from there have the note :data:`RECALLED`.
+        Where maps are looked up, and kept; those from there have the note :data:`RECALLED`.
     ahead : Ahead, optional
         Who compiles kernels meanwhile.
     each : callable, optional
@@ -174,16 +174,11 @@ def study(
     maps: dict[str, VisibilityMap] = {}
     skipped: dict[str, str] = {}
     missing: set[str] = set()
-    why: dict[str, Causes] = {}
 
     def so_far() -> Study:
         made = {method.name: maps[method.name] for method in chosen if method.name in maps}
         truth = made.get(reference)
         others = {name: map for name, map in made.items() if truth and name != reference}
-        if truth and truth.admissible:
-            why.update(
-                {name: _causes(problem, map, truth, store) for name, map in others.items() if name not in why}
-            )
         return Study(
             name=name or scene.title or "scene",
             scene=scene,
@@ -196,7 +191,7 @@ def study(
             missing=frozenset(missing),
             tessellating=tuple(method.name for method in chosen if problem.curved and not method.curved),
             differences={name: compare(map, truth) for name, map in others.items() if truth},
-            causes={name: why[name] for name in others if name in why},
+            causes={},
             agreement=_agreement(list(made.values())),
         )
 
@@ -214,6 +209,27 @@ def study(
         if each is not None and maps:
             each(so_far())
     return so_far()
+
+
+def explained(found: Study, store: Store | None = None) -> Study:
+    """Say of a study why the wrong samples of its maps are wrong, as far as the reference is exact.
+
+    Parameters
+    ----------
+    found : Study
+        What it says already stays.
+    store : Store, optional
+        Where causes are looked up, and kept.
+    """
+    truth = found.maps.get(found.reference or "")
+    if truth is None or truth.admissible is None:
+        return found
+    known = found.causes
+    why = {
+        name: known.get(name) or _causes(found.view, found.maps[name], truth, store)
+        for name in found.differences
+    }
+    return replace(found, causes=why)
 
 
 def causes_of(studies: Sequence[Study], name: str) -> Counter[str]:

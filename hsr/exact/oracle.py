@@ -44,6 +44,18 @@ def truth(view: View) -> VisibilityMap:
     return VisibilityMap(face.reshape(shape), depth, "exact", work, admissible=ties)
 
 
+def owners(view: View, samples: Array) -> Ints:
+    """Decide some samples of a view exactly, as :func:`truth` does all, and return their faces (n,) int32.
+
+    Parameters
+    ----------
+    view : View
+    samples : (n,) int64
+        Numbers ``row * W + column``.
+    """
+    return _decided(view, np.unique(samples))[2][samples]
+
+
 def answers(view: View, samples: Array) -> dict[int, Answer]:
     """Decide some samples of a view exactly.
 
@@ -70,7 +82,7 @@ def answers(view: View, samples: Array) -> dict[int, Answer]:
 
 def _decided(view: View, samples: Array) -> tuple[Problem, Ints, Ints, Admissible, int]:
     """Decide some samples: the piece (H W,) and the face of each, their ties, and how many were uncertain."""
-    problem = problem_of(view)
+    problem = problem_of(view, samples)
     curved = round_tables(problem.rounds, problem.frame.nearer)
     found = candidates(problem.tables, curved, view.height, view.width)
     owner, unsettled = settled_by_filter(found)

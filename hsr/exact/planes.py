@@ -78,12 +78,15 @@ class Triangles:
         return Piece(int(self.face[triangle]), self.plane(triangle), zeta, extent, number=triangle)
 
 
-def triangles_of(view: View, frame: Frame) -> Triangles:
+def triangles_of(view: View, frame: Frame, samples: Array) -> Triangles:
     """Collect the triangles of all planar shapes of a view.
 
-    Left out are those that cover no sample: culled, edge-on, behind the eye, not between near and
-    far, or beside the image.
+    Left out are those that cover none of the samples: culled, edge-on, behind the eye, not between near and
+    far, or beside them on the image.
     """
+    asked = np.zeros((view.height + 1, view.width + 1), dtype=np.int32)
+    asked[1:, 1:].flat[samples] = 1
+    above_left = asked.cumsum(axis=0).cumsum(axis=1)
     vertices: dict[int, Array] = {}
     parts = [_none()]
     for placement in view.placements:
@@ -92,7 +95,7 @@ def triangles_of(view: View, frame: Frame) -> Triangles:
             if id(polygons) not in vertices:
                 vertices[id(polygons)] = points(polygons.vertices)
             corners = vertices[id(polygons)] @ frame.placed(placement.world_from_object).T
-            parts.append(_placed(view, frame, placement, polygons, corners))
+            parts.append(_placed(view, frame, placement, polygons, corners, above_left))
     fields = zip(*(vars(part).values() for part in parts), strict=True)
     return Triangles(*map(np.concatenate, fields))
 
@@ -103,8 +106,13 @@ def _none() -> Triangles:
     return Triangles(empty.reshape(0, HALVES, 3), empty.reshape(0, 3), empty, no_int, no_int.reshape(0, 4))
 
 
-def _placed(view: View, frame: Frame, placement: Placement, polygons: Polygons, corners: Array) -> Triangles:
-    """Keep the triangles of one object that can be seen."""
+def _placed(
+    view: View, frame: Frame, placement: Placement, polygons: Polygons, corners: Array, above_left: Array
+) -> Triangles:
+    """Keep the triangles of one object that can be seen.
+
+    ``above_left`` (H + 1, W + 1) counts the samples asked for in rows and columns before those given.
+    """
     vertex = polygons.triangle_vertex
     inside: Bools = np.asarray(corners @ frame.limits.T >= 0, dtype=np.bool_)
     ahead: Bools = np.asarray(corners[:, 2] > 0, dtype=np.bool_)
@@ -112,8 +120,12 @@ def _placed(view: View, frame: Frame, placement: Placement, polygons: Polygons, 
     # A limit that all corners are beyond leaves nothing, one that all are within cuts nothing.
     beyond = np.any(np.all(~inside[vertex], axis=1), axis=1)
     shown = np.any(ahead[vertex], axis=1) & ~beyond & np.all(box[:, :2] <= box[:, 2:], axis=1)
+    number = np.flatnonzero(shown)
+    top, left, bottom, right = (box[number] + [0, 0, 1, 1]).T
+    above = above_left[top, right] - above_left[top, left]
+    number = number[above_left[bottom, right] - above_left[bottom, left] > above]
 
-    number, edges, det = _facing(placement, corners, vertex, np.flatnonzero(shown))
+    number, edges, det = _facing(placement, corners, vertex, number)
     zeta = (corners[vertex[number], 3][:, :, None] * edges).sum(axis=1)
     cut = ~np.all(inside[vertex[number]], axis=1)
     half = np.concatenate([edges, _within(frame, zeta, det, cut)], axis=1)

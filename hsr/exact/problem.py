@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from hsr.base.arrays import Array
 from hsr.exact.decide import Piece
 from hsr.exact.filter import TriangleTables, triangle_tables
 from hsr.exact.numbers import Frame, frame_of
@@ -37,8 +38,14 @@ class Problem:
         return self.triangles.piece(number) if number < flat else self.rounds[number - flat]
 
 
-def problem_of(view: View) -> Problem:
-    """Set a view up in exact numbers.
+def problem_of(view: View, samples: Array) -> Problem:
+    """Set up in exact numbers what can be seen at some samples of a view.
+
+    Parameters
+    ----------
+    view : View
+    samples : (n,) int64
+        Numbers ``row * W + column``; triangles that cover none of them are left out.
 
     Raises
     ------
@@ -46,6 +53,6 @@ def problem_of(view: View) -> Problem:
         If the camera is singular, or its depth does not grow along its lines of sight.
     """
     frame = frame_of(view)
-    triangles = triangles_of(view, frame)
+    triangles = triangles_of(view, frame, samples)
     tables = triangle_tables(triangles, frame.nearer, view.width, view.height)
     return Problem(frame, triangles, tables, rounds_of(view, frame, len(triangles)))

@@ -31,7 +31,8 @@ import numpy as np
 from hsr.algorithms.prepare.ray_tiles import clip_matrices
 from hsr.algorithms.raycast import Options, cast_by_list, render, screen_matrices
 from hsr.base.arrays import Array, Floats, Ints
-from hsr.models.rounded import seen_along_third, true_faces
+from hsr.exact.oracle import owners
+from hsr.models.rounded import seen_along_third
 from hsr.models.stages import Cause, at_samples, ending, named, rerun
 from hsr.problem.geometry import as_float32
 from hsr.problem.view import Placement, View
@@ -74,7 +75,7 @@ def input_rounding(view: View, options: Options, samples: Array) -> Ints:
     """Model the rounding of vertices to float32, if that is the arithmetic."""
     if options.arithmetic == "float32":
         view = replace(view, placements=tuple(_rounded(placement) for placement in view.placements))
-    return true_faces(view)[samples]
+    return owners(view, samples)
 
 
 def _rounded(placement: Placement) -> Placement:
@@ -88,10 +89,10 @@ def _rounded(placement: Placement) -> Placement:
 def transform(view: View, options: Options, samples: Array) -> Ints:
     """Model the rounding of the composed matrices and of projected vertices."""
     if options.acceleration == "tiles":
-        return true_faces(_in_clip_space(view))[samples]
+        return owners(_in_clip_space(view), samples)
     if options.test != "screen":
         return input_rounding(view, options, samples)
-    return true_faces(_on_screen(view))[samples]
+    return owners(_on_screen(view), samples)
 
 
 def traversal(view: View, options: Options, samples: Array) -> Ints:

@@ -16,7 +16,6 @@ import numpy as np
 
 from hsr.algorithms import exact
 from hsr.base.arrays import Array, Bools, Ints
-from hsr.exact.oracle import truth
 from hsr.models.stages import Cause, Stage
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import Placement, View, WorldPolygons
@@ -28,11 +27,6 @@ THIRD.flags.writeable = False
 
 fractions = np.frompyfunc(lambda number: Fraction(float(number)), 1, 1)
 """Turns an array of floats into one of fractions, which are what they are."""
-
-
-def true_faces(view: View) -> Ints:
-    """Return the exact owner (H W,) of every sample."""
-    return truth(view).face.ravel()
 
 
 @lru_cache(maxsize=1)

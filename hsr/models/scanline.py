@@ -33,6 +33,7 @@ import numpy as np
 from hsr.algorithms.prepare.depth_formats import unrounded
 from hsr.algorithms.scanline import TESTS, Options, cull_on_screen, depths_in, render, screen_of, upright
 from hsr.base.arrays import Array, Floats, Ints
+from hsr.exact.oracle import owners
 from hsr.kernels.clipping import clip_polygons, view_volume
 from hsr.kernels.polygon_table import PolygonTable, polygon_table
 from hsr.kernels.projection import clip_rows, to_clip
@@ -43,7 +44,6 @@ from hsr.models.rounded import (
     of_polygons,
     seen_along_third,
     seen_from_front,
-    true_faces,
 )
 from hsr.models.stages import Cause, ending, named, rerun
 from hsr.problem.map import BACKGROUND
@@ -91,7 +91,7 @@ def _judged(seen: View, polygons: WorldPolygons, view: View, options: Options, s
     drawn = on_screen(view, options)
     chosen = np.diff(drawn.start) < 3
     chosen[_reaching(view, drawn, _scanned(view, options, samples))[0]] = True
-    return true_faces(of_polygons(seen, polygons, chosen))[samples]
+    return owners(of_polygons(seen, polygons, chosen), samples)
 
 
 def _clip(view: View) -> Floats:

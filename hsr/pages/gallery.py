@@ -15,7 +15,7 @@ from hsr.base.arrays import Pixels
 from hsr.base.errors import HsrError
 from hsr.base.files import write_whole
 from hsr.difference.classes import OTHER_OWNER, compare
-from hsr.difference.study import Progress, Study, study
+from hsr.difference.study import Progress, Study, explained, study
 from hsr.models.stages import Cause
 from hsr.pages.frame import page, style
 from hsr.pages.shading import shade
@@ -67,7 +67,7 @@ def write_gallery(
         progress(name)
         if name in turning:
             write_whole(folder / f"{name}.webp", turntable(scene), "the turning picture")
-        found = study(scene, list(methods()), "exact", size, name=name)
+        found = explained(study(scene, list(methods()), "exact", size, name=name))
         if found.reference is None:
             raise HsrError(f"{name}: {found.skipped['exact']}")
         save_picture(shade(found.maps["exact"], found.view), folder / f"{name}.png")

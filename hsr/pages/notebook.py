@@ -87,10 +87,10 @@ def report(
     >>> import hsr
     >>> hsr.report(hsr.load("scenes/cyclic.toml"), ["painter"], size=(12, 9)).save("report.html")
     """
-    from hsr.difference.study import study
+    from hsr.difference.study import explained, study
     from hsr.pages.report import report_page
 
-    return Report(report_page([study(scene, methods, reference, size, camera)]))
+    return Report(report_page([explained(study(scene, methods, reference, size, camera))]))
 
 
 def scene_figure(scene: Scene) -> str:

@@ -17,10 +17,10 @@ from markupsafe import Markup
 
 from hsr.algorithms.registry import methods
 from hsr.base.errors import HsrError
-from hsr.base.files import write_whole
+from hsr.base.files import digest_of, write_whole
 from hsr.base.store import Store
 from hsr.difference.classes import DIFFERENT, SampleClass
-from hsr.difference.study import Progress, Study, causes_of
+from hsr.difference.study import Study, causes_of
 from hsr.models.stages import Cause
 from hsr.pages.frame import page, style
 from hsr.pages.inspector import fragment, inspected, inspection
@@ -28,7 +28,6 @@ from hsr.pages.shading import shade
 from hsr.pages.stories import HISTORIES, LISTED
 from hsr.pictures.palette import CAUSE_COLOURS, CLASS_COLOURS
 from hsr.pictures.png import data_uri
-from hsr.problem.geometry import digest_of
 
 TITLE = "Which surface does the eye see?"
 
@@ -40,7 +39,6 @@ def write_report(
     studies: Sequence[Study],
     path: str | Path,
     title: str = TITLE,
-    progress: Progress | None = None,
     pending: Sequence[str] = (),
     histories: int | None = HISTORIES,
     store: Store | None = None,
@@ -60,13 +58,12 @@ def write_report(
     HsrError
         If there is nothing to report, or the file cannot be written.
     """
-    write_whole(path, report_page(studies, title, progress, pending, histories, path, store), "the report")
+    write_whole(path, report_page(studies, title, pending, histories, path, store), "the report")
 
 
 def report_page(
     studies: Sequence[Study],
     title: str = TITLE,
-    progress: Progress | None = None,
     pending: Sequence[str] = (),
     histories: int | None = HISTORIES,
     path: str | Path | None = None,
@@ -83,8 +80,6 @@ def report_page(
         One a scene, each with one map at least.
     title : str
         What the page is headed by.
-    progress : callable, optional
-        Called with a study's name before the histories of its samples are told.
     pending : sequence of str
         What is still to come, as the page says it: names of methods or scenes. A study's method that is named
         here is marked so in the tables.
@@ -106,15 +101,11 @@ def report_page(
             raise HsrError(f"nothing to report on {found.name}: every method was skipped")
     if not (studies or pending):
         raise HsrError("nothing to report: no scenes")
-    data = []
-    for found in studies:
-        if progress is not None:
-            progress(f"histories of {found.name}")
-        data.append(_inspection(found, histories, store))
+    data = [gathered(found, histories, store) for found in studies]
     return _page(studies, path, title, data, pending)
 
 
-def _inspection(found: Study, histories: int | None, store: Store | None) -> dict[str, Any]:
+def gathered(found: Study, histories: int | None, store: Store | None) -> dict[str, Any]:
     """Look up what the inspector shows of a study, or gather it."""
     if store is None:
         return inspection(found, histories)

@@ -7,7 +7,6 @@ clusters, hierarchies, buffers of OpenGL. A second camera pays for its picture o
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Hashable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -17,6 +16,7 @@ import numpy as np
 
 from hsr.base.arrays import Array, Floats, Ints
 from hsr.base.errors import MethodError, ViewError
+from hsr.base.files import digest_of
 from hsr.scene.files import shape_of
 from hsr.scene.model import Scene, exact_determinant
 from hsr.scene.shapes import MAX_FACES, Polygons, Shape, tessellated
@@ -176,15 +176,6 @@ def geometry_of(scene: Scene) -> Geometry:
 Scene.geometry = property(geometry_of)
 
 
-def digest_of(parts: Iterable[bytes]) -> str:
-    """Return the SHA-256 of some parts; where one ends and the next begins counts."""
-    digest = hashlib.sha256()
-    for part in parts:
-        digest.update(len(part).to_bytes(8, "little"))
-        digest.update(part)
-    return digest.hexdigest()
-
-
 # ---------------------------------------------------------------- objects
 
 
@@ -210,9 +201,8 @@ def _parts(geometry: Geometry, segments: int) -> Iterator[bytes]:
     """Yield what the hash of a scene is of."""
     if geometry.curved:
         yield f"segments {segments}".encode()
-    shapes = {shape: digest_of(shape.content).encode() for shape in {one.shape for one in geometry}}
     for one in geometry:
-        yield shapes[one.shape]
+        yield one.shape.digest.encode()
         yield one.world_from_object.tobytes()
         yield f"{one.name} {one.cull}".encode()
 

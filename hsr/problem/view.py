@@ -19,7 +19,8 @@ import numpy as np
 
 from hsr.base.arrays import Floats, Ints
 from hsr.base.errors import ViewError, named
-from hsr.problem.geometry import CULL, Geometry, Placement, WorldPolygons, digest_of, geometry_of
+from hsr.base.files import digest_of
+from hsr.problem.geometry import CULL, Geometry, Placement, WorldPolygons, geometry_of
 from hsr.scene.camera import named_projection
 from hsr.scene.files import load
 from hsr.scene.model import Camera, Light, MatrixCamera, Orthographic, Perspective, Scene

@@ -42,18 +42,44 @@ def test_parallel_loops() -> None:
     assert doubled(np.arange(5.0)).tolist() == [0.0, 2.0, 4.0, 6.0, 8.0]
 
 
-def test_a_changed_source_drops_all_cached_kernels(tmp_path: Path) -> None:
+def test_a_changed_source_drops_the_cached_kernels_that_are_made_of_it(tmp_path: Path) -> None:
+    text = {
+        "kernels/edges": "BOUND = 1\n\n\n@jit\ndef kernel(): ...\n",
+        "kernels/spans": "from hsr.kernels.edges import BOUND\n\n\n@jit\ndef kernel(): ...\n",
+        "exact/filter": "from hsr.kernels.spans import kernel\n\n\n@jit\ndef visit(): ...\n",
+        "exact/depths": "@jit\ndef kernel(): ...\n",
+    }
+    cached = {}
+    for name, source in text.items():
+        file = tmp_path / f"{name}.py"
+        cached[name] = file.parent / "__pycache__" / f"{file.stem}.kernel-12.py311.1.nbc"
+        cached[name].parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(source, encoding="utf-8")
+
+    def left() -> list[str]:
+        forget_stale_kernels(tmp_path)
+        found = [name for name, file in cached.items() if file.exists()]
+        for file in cached.values():
+            file.write_bytes(b"compiled")
+        return found
+
+    assert left() == []
+    assert left() == [*text]
+    (tmp_path / "kernels" / "edges.py").write_text(
+        "BOUND = 2\n\n\n@jit\ndef kernel(): ...\n", encoding="utf-8"
+    )
+    assert left() == ["exact/depths"]
+    (tmp_path / "exact" / "filter.py").write_text(text["exact/filter"] + "\n", encoding="utf-8")
+    assert left() == ["kernels/edges", "kernels/spans", "exact/depths"]
+    assert left() == [*text]
+
+
+def test_kernels_of_which_nobody_knows_what_they_are_made_of_are_dropped(tmp_path: Path) -> None:
     source = tmp_path / "kernels" / "edges.py"
-    cached = tmp_path / "kernels" / "__pycache__" / "scan.line-12.py311.1.nbc"
+    cached = tmp_path / "kernels" / "__pycache__" / "edges.kernel-12.py311.1.nbc"
     cached.parent.mkdir(parents=True)
-    source.write_text("BOUND = 1\n\n\n@jit\ndef kernel(): ...\n", encoding="utf-8")
+    source.write_text("@jit\ndef kernel(): ...\n", encoding="utf-8")
     cached.write_bytes(b"compiled")
-    forget_stale_kernels(tmp_path)
-    assert not cached.exists()  # compiled nobody knows from what
-    cached.write_bytes(b"compiled")
-    forget_stale_kernels(tmp_path)
-    assert cached.exists()
-    source.write_text("BOUND = 2\n\n\n@jit\ndef kernel(): ...\n", encoding="utf-8")
     forget_stale_kernels(tmp_path)
     assert not cached.exists()
 

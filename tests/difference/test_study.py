@@ -18,7 +18,7 @@ from hsr.algorithms.registry import Method
 from hsr.base.errors import MethodError, UnavailableError, ViewError
 from hsr.base.store import Store
 from hsr.difference import study as module
-from hsr.difference.study import RECALLED, study
+from hsr.difference.study import RECALLED, explained, study
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View
 
@@ -130,7 +130,7 @@ def test_json_is_stable(make_scene: Any) -> None:
 @pytest.mark.jit
 def test_against_the_truth_every_wrong_sample_has_a_cause(make_scene: Any) -> None:
     scene = make_scene([{"name": "ball", "shape": "sphere"}])
-    found = study(scene, ["zbuffer", "raycast"], "exact", (160, 160))
+    found = explained(study(scene, ["zbuffer", "raycast"], "exact", (160, 160)))
     assert found.causes["raycast"].wrong == 0
     assert set(found.causes["zbuffer"].counts) == {"tessellation"}
     assert found.causes["zbuffer"].wrong == found.differences["zbuffer"].different > 0
@@ -138,7 +138,7 @@ def test_against_the_truth_every_wrong_sample_has_a_cause(make_scene: Any) -> No
 
 
 def test_only_the_truth_knows_causes(make_scene: Any) -> None:
-    found = study(make_scene([{"name": "box", "shape": "cube"}]), ["raycast"], "zbuffer", (8, 8))
+    found = explained(study(make_scene([{"name": "box", "shape": "cube"}]), ["raycast"], "zbuffer", (8, 8)))
     assert found.causes == {}
 
 
@@ -165,7 +165,10 @@ def test_what_was_computed_is_recalled_with_its_note(make_scene: Any, tmp_path: 
         assert np.array_equal(answer.face, first.maps[name].face)
         assert answer.seconds == first.maps[name].seconds and answer.notes[RECALLED]
         assert RECALLED not in first.maps[name].notes and RECALLED not in other.maps[name].notes
+    first, again = explained(first, store), explained(again, store)
     assert again.to_json()["causes"] == first.to_json()["causes"]
+    for name, causes in first.causes.items():
+        assert np.array_equal(again.causes[name].cause, causes.cause)
     assert again.to_json()["methods"]["zbuffer"]["notes"][RECALLED] is True
 
 

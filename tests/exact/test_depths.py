@@ -19,7 +19,7 @@ from tests.exact.hard import CONES, CURVED, PLANAR, hard_view, loose_view, scene
 @pytest.mark.parametrize("seed", range(120, 126))
 def test_doubled_precision_agrees_with_integers(shapes: tuple[str, ...], seed: int) -> None:
     view = (hard_view if seed % 2 else loose_view)(seed, shapes)
-    problem = problem_of(view)
+    problem = problem_of(view, np.arange(view.width * view.height))
     grid = [tuple(int(x) for x in problem.frame.at(np.array(k))) for k in range(view.width * view.height)]
     for number in range(len(problem.triangles) + len(problem.rounds)):
         piece = problem.piece(number)

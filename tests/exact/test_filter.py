@@ -81,7 +81,7 @@ def test_a_denominator_that_may_vanish_bounds_nothing() -> None:
 @pytest.mark.parametrize("seed", range(100, 112))
 def test_the_owner_is_a_candidate_and_settled_only_if_certain(shapes: tuple[str, ...], seed: int) -> None:
     view = (hard_view if seed % 2 else loose_view)(seed, shapes)
-    problem = problem_of(view)
+    problem = problem_of(view, np.arange(view.width * view.height))
     tables = round_tables(problem.rounds, problem.frame.nearer)
     found = candidates(problem.tables, tables, view.height, view.width)
     owner, unsettled = settled_by_filter(found)
@@ -96,7 +96,7 @@ def test_the_owner_is_a_candidate_and_settled_only_if_certain(shapes: tuple[str,
 
 def test_almost_nothing_is_left_to_decide_where_nothing_ties() -> None:
     view = loose_view(5, (*PLANAR, *CURVED), side=64)
-    problem = problem_of(view)
+    problem = problem_of(view, np.arange(view.width * view.height))
     found = candidates(problem.tables, round_tables(problem.rounds, problem.frame.nearer), 64, 64)
     assert len(settled_by_filter(found)[1]) == 0
     assert found.start[-1] > 100

@@ -11,7 +11,7 @@ import pytest
 
 from hsr.base.arrays import Floats
 from hsr.base.errors import ViewError
-from hsr.exact.oracle import truth
+from hsr.exact.oracle import owners, truth
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import Placement, View, view
 from hsr.scene.shapes import Kind, Polygons, Shape
@@ -352,6 +352,16 @@ def test_what_is_added_behind_everything_stays_hidden(turned: bool, seed: int) -
     steps = [{"scale": 0.5}, *turns, {"translate": on_grid(random, -2, 0, 3)}]
     behind = {"shape": str(random.choice(["cube", "sphere", "cylinder"])), "transform": steps}
     assert answers(seen([wall, behind])) == answers(seen([wall]))
+
+
+@anywhere
+@any_shapes
+@pytest.mark.parametrize("seed", range(950, 965))
+def test_of_some_samples_it_says_what_it_says_of_all(make: Maker, shapes: tuple[str, ...], seed: int) -> None:
+    view = make(seed, shapes)
+    random = np.random.default_rng(seed)
+    samples = random.integers(view.width * view.height, size=random.integers(6))
+    assert owners(view, samples).tolist() == truth(view).face.ravel()[samples].tolist()
 
 
 def test_a_plane_too_steep_for_float64_is_no_trouble() -> None:

@@ -19,7 +19,7 @@ def triangle(corners: list[list[float]], **more: object) -> dict[str, object]:
 
 def triangles(*objects: dict[str, object], **camera: object) -> tuple[View, Triangles]:
     seen = view(scene(list(objects), {**DOWN, **camera}), (4, 4))
-    return seen, triangles_of(seen, frame_of(seen))
+    return seen, triangles_of(seen, frame_of(seen), np.arange(seen.width * seen.height))
 
 
 def test_half_planes_are_against_the_corners_in_turn() -> None:

@@ -11,7 +11,7 @@ import pytest
 import hsr
 from hsr.base.arrays import Array
 from hsr.difference.classes import compare
-from hsr.difference.study import Study, study
+from hsr.difference.study import Study, explained, study
 from hsr.pages.report import write_report
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View
@@ -84,7 +84,7 @@ def studied_alone(studied: Study) -> Study:
 def real(scenes: Path) -> Study:
     """Four methods, two of them wrong at some samples, judged by the exact one."""
     loaded = hsr.load(scenes / "cyclic.toml")
-    return study(loaded, ["backface", "scanline-d16", "zbuffer"], "exact", (96, 72), name="cyclic")
+    return explained(study(loaded, ["backface", "scanline-d16", "zbuffer"], "exact", (96, 72), name="cyclic"))
 
 
 @pytest.fixture(scope="session")

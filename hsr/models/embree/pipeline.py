@@ -24,9 +24,11 @@ from functools import lru_cache
 import numpy as np
 
 from hsr.algorithms.embree import Options, handed_over, rays, render
-from hsr.base.arrays import Array, Floats, Ints
+from hsr.base.arrays import Array, Ints
+from hsr.exact.oracle import owners
 from hsr.models.embree.float32 import MISS, distances
-from hsr.models.rounded import TESSELLATED, fractions, of_polygons, true_faces
+from hsr.models.embree.lines import may_meet
+from hsr.models.rounded import TESSELLATED, fractions, of_polygons
 from hsr.models.stages import Pipeline, at_samples, named, rerun
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import View
@@ -37,15 +39,6 @@ FARTHEST = float(np.finfo(np.float32).max)
 TIE = BACKGROUND - 1
 """In place of a face where exact arithmetic finds several."""
 
-ROUNDING = 2.0**-48
-"""Bound of the error of an edge value in float64, relative to the lengths of its three factors.
-
-Each of the six products has three factors, two of them sums: with the sums of the products fewer than
-twenty roundings of 2^-53. The sum of the magnitudes of the products is at most twice the product of the
-lengths.
-"""
-
-
 RENDERED = rerun(render)
 
 
@@ -53,7 +46,7 @@ def input_rounding(view: View, options: Options, samples: Array) -> Ints:  # noq
     """Model the rounding of world points to float32."""
     view = view.tessellated()
     polygons = replace(view.polygons, vertices=view.polygons.vertices.astype(np.float32))
-    return true_faces(of_polygons(view, polygons, np.ones(len(polygons), dtype=np.bool_)))[samples]
+    return owners(of_polygons(view, polygons, np.ones(len(polygons), dtype=np.bool_)), samples)
 
 
 def transform(view: View, options: Options, samples: Array) -> Ints:
@@ -110,24 +103,13 @@ def _rays_of(view: View, samples: Array) -> Iterator[tuple[Array, Array]]:
 
 def _exact_nearest(corners: Array, face: Ints, origin: Array, direction: Array, reach: float) -> int:
     """Return the face of the nearest triangle that a ray meets; ``TIE`` if it is not the only one."""
-    near_by = np.flatnonzero(_may_hit(corners.astype(np.float64), origin, direction))
+    near_by = np.flatnonzero(may_meet(corners, origin, direction))
     hits = [(*_exact_hit(corners[i], origin, direction), int(face[i])) for i in near_by]
     met = sorted(hit for hit in hits if 0 <= hit[0] <= Fraction(float(np.float32(reach))))
     if not met:
         return BACKGROUND
     (nearest, on_edge, shown), *others = met
     return TIE if on_edge or (others and others[0][0] == nearest) else shown
-
-
-def _may_hit(corners: Floats, origin: Array, direction: Array) -> Array:
-    """Tell which triangles (n,) the ray's line may meet: all but those it certainly passes by."""
-    v = corners - origin.astype(np.float64)
-    d = direction.astype(np.float64)
-    p, q = np.roll(v, 1, axis=1), v
-    side = np.cross(p - q, p + q) @ d
-    lengths = np.linalg.norm(p - q, axis=2) * np.linalg.norm(p + q, axis=2) * np.linalg.norm(d)
-    slack = ROUNDING * lengths
-    return np.asarray((side >= -slack).all(axis=1) | (side <= slack).all(axis=1))
 
 
 def _exact_hit(corners: Array, origin: Array, direction: Array) -> tuple[Fraction, bool]:

@@ -138,7 +138,7 @@ def drawn_at(view: View, face: int, sample: int) -> Drawn | None:
         None if it draws no triangle of the face.
     """
     edges, _, _, plane, faces = _all_drawn(view)
-    # A number of another type would have all faces copied each time.
+    # Faces not one after the other, or a number of another type, would have all copied each time.
     first, end = (np.searchsorted(faces, faces.dtype.type(face), side=side) for side in ("left", "right"))
     if first == end:
         return None
@@ -275,7 +275,7 @@ def _snapped(triangles: Array, size: tuple[int, int], upto: Cause, buffer: Depth
     exact = upto < Cause.DEPTH_ARITHMETIC
     plane = _clip_plane(triangles["clip"], size, buffer) if exact else _window_plane(window)
     box = _box(grid.min(axis=1) / one, grid.max(axis=1) / one, size)
-    return _Outlines(edges, closed, box, plane, triangles["face"])
+    return _Outlines(edges, closed, box, plane, triangles["face"].copy())
 
 
 def _to_window(buffer: DepthBuffer) -> tuple[float, float]:
@@ -390,6 +390,16 @@ def _box_beyond_near(clip: Floats, size: tuple[int, int], buffer: DepthBuffer) -
     """Bounds of what lies beyond the near plane; a sample wider, so that no rounding counts."""
     z, w = clip[:, :, 2], clip[:, :, 3]
     beyond = w - z if buffer.reversed else z + w
+    box = np.empty((len(clip), 4), dtype=np.int32)
+    whole = ((beyond >= 0) & (w > 0)).all(axis=1)
+    sample = (clip[whole, :, :2] / w[whole, :, None] + 1.0) * 0.5 * size - 0.5
+    box[whole] = _box(sample.min(axis=1) - 1.0, sample.max(axis=1) + 1.0, size)
+    box[~whole] = _box_of_cut(clip[~whole], beyond[~whole], size)
+    return box
+
+
+def _box_of_cut(clip: Floats, beyond: Floats, size: tuple[int, int]) -> Ints:
+    """Do so for triangles whose corners do not all lie beyond the near plane."""
     beyond_next = np.roll(beyond, -1, axis=1)
     crosses = (beyond < 0) != (beyond_next < 0)
     t = np.where(crosses, beyond / (beyond - beyond_next), 0.0)[:, :, None]

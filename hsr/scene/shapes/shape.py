@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property, lru_cache
@@ -11,6 +11,7 @@ from typing import cast
 import numpy as np
 
 from hsr.base.arrays import Array, Floats
+from hsr.base.files import digest_of
 from hsr.scene.shapes.polygons import Polygons
 
 MAX_FACES = 2**31 - 2
@@ -112,9 +113,12 @@ class Shape:
             return len(self.face_names)
         return len(self.polygons)
 
-    @property
-    def content(self) -> Iterable[bytes]:
-        """What tells the shape from all others."""
+    @cached_property
+    def digest(self) -> str:
+        """The SHA-256 of what tells the shape from all others."""
+        return digest_of(self._content())
+
+    def _content(self) -> Iterator[bytes]:
         yield self.kind.name.encode()
         if self.kind == Kind.QUADRIC and self.quadric is not None:
             yield f"{self.quadric.form.tolist()} {self.quadric.ends.tolist()}".encode()
