@@ -266,12 +266,6 @@ GROUPS = {
 """What the families are about."""
 
 
-FOLEY = "J. Foley, A. van Dam, S. Feiner, J. Hughes, Computer Graphics: Principles and Practice"
-HILL = "F. S. Hill, S. M. Kelley, Computer Graphics Using OpenGL"
-OPENGL = "The OpenGL Graphics System"
-SHEWCHUK = "J. R. Shewchuk, Adaptive Precision Floating-Point Arithmetic"
-"""Books and papers that several families go back to."""
-
 Scenes = Callable[[float, int], Scene]
 """From a value of the parameter, and the side of the picture, to the scene."""
 
@@ -286,26 +280,18 @@ def hard_case(
 ) -> Callable[[Scenes], Family]:
     """Make a family of the function below, which returns its scenes.
 
-    The function's name is that of the family, the second paragraph of its docstring the story. What else
-    there is to say, :func:`truth`, :func:`source`, :func:`variants` and :func:`also` say in between.
+    The function's name is that of the family. The second paragraph of its docstring is the story; one that
+    begins with ``Truth:`` says what the exact answer is, and one with ``Source:`` which book or paper the
+    case, or the formula, goes back to. :func:`variants` and :func:`also` say the rest in between.
     """
 
     def made(scene: Scenes) -> Family:
-        name, story = scene.__name__.replace("_", "-"), (inspect.getdoc(scene) or "").split("\n\n")[1]
-        facts = {"story": story.replace("\n", " "), "sweep": sweep, "continuous": continuous, **vars(scene)}
-        return Family(name, group, parameter=parameter, scene=scene, **facts)
+        paragraphs = [" ".join(text.split()) for text in (inspect.getdoc(scene) or "").split("\n\n")]
+        told = {name: text for name, mark, text in (part.partition(": ") for part in paragraphs) if mark}
+        name, about = scene.__name__.replace("_", "-"), (paragraphs[1], told["Truth"], told["Source"])
+        return Family(name, group, *about, parameter, sweep, scene, continuous=continuous, **vars(scene))
 
     return made
-
-
-def truth(answer: str) -> Callable[[Scenes], Scenes]:
-    """Say what the exact answer is."""
-    return also(expected=answer)
-
-
-def source(reference: str) -> Callable[[Scenes], Scenes]:
-    """Say which book or paper the case, or the formula, goes back to."""
-    return also(source=reference)
 
 
 def variants(*those: Variant) -> Callable[[Scenes], Scenes]:

@@ -5,16 +5,11 @@ from __future__ import annotations
 import math
 
 from hsr.lab.stability.building import central, parallel, placed, scene_of, wall
-from hsr.lab.stability.family import HILL, Variant, hard_case, octaves, source, truth, variants
+from hsr.lab.stability.family import Variant, hard_case, octaves, variants
 from hsr.lab.stability.rounding import first_drafts
 from hsr.lab.stability.theory import U32, U64
 from hsr.mistakes.renderers import general_cylinders, naive_spheres
 from hsr.scene.model import Scene
-
-HAINES = (
-    "E. Haines, J. Guenther, T. Akenine-Moeller, Precision Improvements for Ray/Sphere Intersection "
-    "(Ray Tracing Gems, 2019)"
-)
 
 SHARE = 0.8
 """Radius of the distant sphere in the picture, over half the picture."""
@@ -26,8 +21,6 @@ def outline(side: int) -> float:
 
 
 @hard_case("rays", "distance, in radii", octaves(2, 36, 2))
-@truth("The sphere inside its outline, the background outside.")
-@source(HAINES)
 @variants(
     *first_drafts(
         "naive",
@@ -49,6 +42,11 @@ def distant_sphere(away: float, _: int) -> Scene:
     numbers like D^2, so its rounding decides in a band about the outline that grows with D^2, and beyond
     D^2 = 2^24, in float32, the sphere is gone. Measuring from the point of the ray nearest to the centre
     leaves a band that grows with D alone.
+
+    Truth: The sphere inside its outline, the background outside.
+
+    Source: E. Haines, J. Guenther, T. Akenine-Moeller, Precision Improvements for Ray/Sphere Intersection
+    (Ray Tracing Gems, 2019)
     """
     camera = {"type": "perspective", "eye": [0.48 * away, 0.64 * away, 0.6 * away], "near": 0.5 * away}
     fov = math.degrees(2.0 * math.atan(1.0 / (SHARE * away)))
@@ -70,8 +68,6 @@ def lowest(unit: float, side: int) -> float:
 
 # Powers themselves are not rounded.
 @hard_case("rays", "height above the ground, in metres", tuple(0.7 * h for h in octaves(16, -28, 2)))
-@truth("The planet below the horizon, the sky above.")
-@source(HAINES)
 @variants(
     Variant("raycast-woop-float32", lambda side: lowest(U32, side), "2^-24 r W 10 / 8"),
     # At most heights the eye's place is off by less than the whole of u r.
@@ -83,6 +79,11 @@ def planet(height: float, _: int) -> Scene:
     The eye looks at the horizon of a planet, from ever lower above the ground. All there is to tell height by
     is the difference of two numbers of the size of the planet: in float32 they are half a metre apart, and
     the horizon is anywhere; float64 knows nanometres.
+
+    Truth: The planet below the horizon, the sky above.
+
+    Source: E. Haines, J. Guenther, T. Akenine-Moeller, Precision Improvements for Ray/Sphere Intersection
+    (Ray Tracing Gems, 2019)
     """
     dip = math.sqrt(2.0 * height / RADIUS)
     zoom, near = 0.5 / dip, 0.125 * height
@@ -106,8 +107,6 @@ def touched(side: int) -> float:
 
 
 @hard_case("rays", "how far rays enter or miss, in pixels", octaves(-1, -47, 2))
-@truth("A sphere at every other of the tangent samples.")
-@source(f"{HILL}, intersecting rays with a sphere; Haines, Guenther, Akenine-Moeller (2019)")
 @variants(
     *first_drafts(
         "naive",
@@ -124,6 +123,11 @@ def tangent_rays(depth: float, side: int) -> Scene:
     Rays run past spheres at almost their radius: half of them enter by a little, half miss by as much. The
     sign of the discriminant is all that tells, and it is as small as that little. Computed as b^2 - a c it
     carries the rounding of the squared distance; from the nearest point of the ray, that of the radius.
+
+    Truth: A sphere at every other of the tangent samples.
+
+    Source: F. S. Hill, S. M. Kelley, Computer Graphics Using OpenGL, intersecting rays with a sphere; Haines,
+    Guenther, Akenine-Moeller (2019)
     """
     r, spheres = touched(side), []
     for row in range(4):
@@ -150,8 +154,6 @@ def worst_condition(unit: float, side: int) -> float:
 
 
 @hard_case("rays", "condition number of the transform", octaves(2, 40, 2))
-@truth("The ellipsoid inside its outline.")
-@source(f"{HILL}, rays in the generic frame; G. Golub, C. Van Loan, Matrix Computations, 2.6")
 @variants(
     Variant("raycast-woop-float32", lambda side: worst_condition(U32, side), "2^25 / (h R sqrt(pi))"),
     Variant("raycast-single", lambda side: worst_condition(U64, side), "2^54 / (h R sqrt(pi))"),
@@ -162,6 +164,11 @@ def ill_conditioned_transform(condition: float, _: int) -> Scene:
     A sphere is flattened to a disc, and turned. Rays are carried into its frame by the inverse transform,
     which stretches what was flattened, and with it the rounding of the point that is nearest to the centre:
     the outline shrinks by the square of roundoff times condition number.
+
+    Truth: The ellipsoid inside its outline.
+
+    Source: F. S. Hill, S. M. Kelley, Computer Graphics Using OpenGL, rays in the generic frame; G. Golub, C.
+    Van Loan, Matrix Computations, 2.6
     """
     place = [{"scale": [1.0, 1.0, 1.0 / condition]}, {"matrix": TURN}, {"translate": [0.0, 0.0, -5.0]}]
     return scene_of(central(1.0, None, 4.0), {"shape": "sphere", "transform": place})
@@ -188,8 +195,6 @@ def touching_polygons(method: str, bits: int) -> Variant:
 
 
 @hard_case("order", "thickness of the sphere, in depth ranges", octaves(-2, -34, 2))
-@truth("The wall everywhere.")
-@source("Derived: sqrt(2 r dz), the sagitta of a sphere of radius r")
 @variants(
     touching_polygons("scanline-d16", 16),
     touching_polygons("scanline-d24", 24),
@@ -203,6 +208,10 @@ def touching_solids(thickness: float, side: int) -> Scene:
     A sphere touches a wall from behind. In exact arithmetic it touches in one point, which no sample sees; in
     a depth buffer it shines through within a disc about that point, whose radius is the root of 2 r dz. The
     flatter the sphere the wider the disc.
+
+    Truth: The wall everywhere.
+
+    Source: Derived: sqrt(2 r dz), the sagitta of a sphere of radius r
     """
     r = 0.4 * side
     ball = placed("sphere", [r, r, thickness], [0.0, 0.0, -0.4 - thickness])
@@ -210,8 +219,6 @@ def touching_solids(thickness: float, side: int) -> Scene:
 
 
 @hard_case("rays", "greatest tilt of a ray against the axis", octaves(-2, -36, 2))
-@truth("The wall where the ray leaves through it, the cap at the end elsewhere.")
-@source(f"{HILL}, intersecting rays with a cylinder")
 @variants(
     *first_drafts(
         "general axis,",
@@ -231,6 +238,10 @@ def cylinder_along_axis(tilt: float, _: int) -> Scene:
     any direction textbooks have a = d.d - (d.axis)^2 in the quadratic equation of the wall: of two numbers
     near 1 a difference of the size of the squared tilt is left. In the cylinder's own frame it is
     dx^2 + dy^2, and nothing cancels.
+
+    Truth: The wall where the ray leaves through it, the cap at the end elsewhere.
+
+    Source: F. S. Hill, S. M. Kelley, Computer Graphics Using OpenGL, intersecting rays with a cylinder
     """
     tube = placed("cylinder", [1.0, 1.0, -1.0], [0.5 * tilt - 1.0, 0.0, 0.25])
     return scene_of(central(0.125, None, 1.0 / tilt), tube)

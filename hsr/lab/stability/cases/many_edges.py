@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from hsr.lab.stability.building import closed_fan, flat, grid, mesh, panel, parallel, scene_of
-from hsr.lab.stability.family import OPENGL, Variant, hard_case, octaves, source, truth, variants
+from hsr.lab.stability.family import Variant, hard_case, octaves, variants
 from hsr.scene.model import Scene
 
 
@@ -27,8 +27,6 @@ def fewest(side: int) -> float:
 
 
 @hard_case("coverage", "number of spokes", octaves(2, 13), continuous=False)
-@truth("Within the disc the triangle whose angle holds the sample, the background outside.")
-@source(f"{OPENGL}, 3.6.1: polygons that share an edge produce each fragment once")
 @variants(
     Variant("scanline-snap-4", fewest, "2^(b+3) / W spokes, but no fewer than the sweep has"),
     Variant("scanline-snap-8", lambda side: spokes_of(8, side), "2^(b+3) / W spokes", 4.0),
@@ -41,6 +39,10 @@ def fan(spokes: float, side: int) -> Scene:
     A disc is a fan of triangles about one corner. Every sample in it has exactly one owner, however thin the
     triangles are. Snapping moves each spoke by a fraction of a pixel: no sample is lost, but the more spokes
     there are, the more samples lie between a spoke and where it was moved to.
+
+    Truth: Within the disc the triangle whose angle holds the sample, the background outside.
+
+    Source: The OpenGL Graphics System, 3.6.1: polygons that share an edge produce each fragment once
     """
     k, random = np.arange(int(spokes)), np.random.default_rng(int(spokes))
     angle = (k + random.uniform(0.2, 0.8, len(k))) * (2.0 * np.pi / len(k))
@@ -49,8 +51,6 @@ def fan(spokes: float, side: int) -> Scene:
 
 
 @hard_case("order", "number of slats each way", octaves(1, 9), continuous=False)
-@truth("An upright slat, else a level one, else the background.")
-@source("M. McKenna, Worst-Case Optimal Hidden-Surface Removal (ACM Transactions on Graphics 6, 1987)")
 # 4 k edges are moved by 2^-(b+2): each passes a column or line of samples with that probability.
 @variants(
     Variant("scanline-snap-4", 2.0**4, "2^b slats", 4.0),
@@ -63,6 +63,10 @@ def slats(count: float, side: int) -> Scene:
     k upright slats hang before k level ones, so that k + k (k + 1) pieces are seen: as many as the square of
     the number of faces, the most there can be. The more edges there are, the more of them pass so close to a
     line of samples that snapping carries them over it.
+
+    Truth: An upright slat, else a level one, else the background.
+
+    Source: M. McKenna, Worst-Case Optimal Hidden-Surface Removal (ACM Transactions on Graphics 6, 1987)
     """
     k, pitch, end = int(count), side / count, 0.5 * side
     start = -end + (np.arange(k) + np.random.default_rng(k).uniform(0.3, 0.8, k)) * pitch
@@ -81,8 +85,6 @@ def pitch_of(bits: int, side: int) -> float:
 
 
 @hard_case("coverage", "pitch of the mesh, in pixels", octaves(4, -2))
-@truth("One triangle of the mesh at every sample within its outline.")
-@source(f"{OPENGL}, 3.6.1: polygons that share an edge produce each fragment once")
 @variants(
     Variant("scanline-snap-4", 16.0, "0.85 W^2 2^-(b+2) px, beyond the start of the sweep"),
     Variant("scanline-snap-8", lambda side: pitch_of(8, side), "0.85 W^2 2^-(b+2) px", 4.0),
@@ -95,6 +97,10 @@ def sub_pixel_mesh(pitch: float, side: int) -> Scene:
     A wavy mesh is divided ever more finely, until there are many triangles to a sample. Every sample within
     its outline has exactly one owner. Snapping moves shared corners for all their triangles at once, so no
     hole opens; but the shorter the edges, the more of them there are to pass over a sample.
+
+    Truth: One triangle of the mesh at every sample within its outline.
+
+    Source: The OpenGL Graphics System, 3.6.1: polygons that share an edge produce each fragment once
     """
     count = max(3, round(0.5 * side / pitch) + 1)
     line = np.linspace(-0.25 * side, 0.25 * side, count)

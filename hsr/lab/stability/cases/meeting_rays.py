@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from hsr.lab.stability.building import central, crumpled, mesh, panel, parallel, rectangle, scene_of, wall
-from hsr.lab.stability.family import Variant, also, hard_case, octaves, source, truth, variants
+from hsr.lab.stability.family import Variant, also, hard_case, octaves, variants
 from hsr.lab.stability.rounding import DRIVER, in_space
 from hsr.lab.stability.theory import U64
 from hsr.mistakes.renderers import naive_boxes
@@ -13,8 +13,6 @@ from hsr.scene.model import Scene
 
 
 @hard_case("rays", "distance of the rays from the corners, in pixels", octaves(-1, -49, 2))
-@truth("The triangle to the left of and below each corner; nowhere the background.")
-@source("S. Woop, C. Benthin, I. Wald, Watertight Ray/Triangle Intersection (JCGT 2, 2013)")
 @variants(
     *in_space(),
     # Its two cross products are rounded besides, as those of float32.
@@ -28,6 +26,10 @@ def vertex_aimed_rays(past: float, side: int) -> Scene:
     of its own. A test that looks at the edge of two triangles in two different ways may deny it to both, and
     the ray escapes through a closed surface, in float64 as in float32; a watertight test loses no ray, but
     rounding can still choose the wrong neighbour.
+
+    Truth: The triangle to the left of and below each corner; nowhere the background.
+
+    Source: S. Woop, C. Benthin, I. Wald, Watertight Ray/Triangle Intersection (JCGT 2, 2013)
     """
     return scene_of(central(0.5), mesh(*crumpled(side, past, 2.0 * past)))
 
@@ -36,11 +38,6 @@ SIDES = 12
 
 
 @hard_case("rays", "distance of rays from the apex, in pixels", octaves(-2, -36, 2))
-@truth("The side of the pyramid in whose direction the ray passes the apex.")
-@source(
-    "M. Cyrus, J. Beck, Generalized Two- and Three-Dimensional Clipping (1978); Hill and Kelley, "
-    "convex polyhedra"
-)
 @variants(*in_space(4.0), DRIVER)
 def apex_of_half_spaces(past: float, side: int) -> Scene:
     """Point pyramids at samples, or ever closer past them.
@@ -51,6 +48,11 @@ def apex_of_half_spaces(past: float, side: int) -> Scene:
 
     Rays pass the apex by (1, 2) times the distance; the nearest edge of the pyramid is turned from there by
     5.6 degrees. So they pass that edge, on which two sides are equally far, at 0.22 of the distance.
+
+    Truth: The side of the pyramid in whose direction the ray passes the apex.
+
+    Source: M. Cyrus, J. Beck, Generalized Two- and Three-Dimensional Clipping (1978); Hill and Kelley, convex
+    polyhedra
     """
     angle = (np.arange(SIDES) + 0.3) * (2.0 * np.pi / SIDES)
     ring = np.stack([np.cos(angle), np.sin(angle), np.full(SIDES, -3.0)], axis=1) * [0.2, 0.2, 1.0]
@@ -70,8 +72,6 @@ WIDTH = 64
 
 @hard_case("rays", "distance of rays from the seam, in pixels", (*octaves(-2, -50, 3), 0.0))
 @also(size=lambda *_: (WIDTH, WIDTH))
-@truth("A panel in every column from the first seam to the last.")
-@source("T. Ize, Robust BVH Ray Traversal (JCGT 2, 2013)")
 @variants(
     Variant("raycast-naive-slabs", 0.5 * U64 * WIDTH, "2^-54 W px: one rounding, W / 2 from the middle"),
     Variant("raycast-single", None, "its slabs are padded by two units in the last place"),
@@ -83,6 +83,10 @@ def box_grazing(past: float, _: int) -> Scene:
     multiplies by a rounded reciprocal of the direction and may find that the ray leaves an extent before it
     has entered. Then the panel that owns the sample is never asked, and the other does not own it: the ray
     escapes. Two units in the last place of padding, or a division, lose none.
+
+    Truth: A panel in every column from the first seam to the last.
+
+    Source: T. Ize, Robust BVH Ray Traversal (JCGT 2, 2013)
     """
     panels, random = [], np.random.default_rng(0)
     for top in (1.0, 0.5, 0.0, -0.5):
@@ -94,11 +98,6 @@ def box_grazing(past: float, _: int) -> Scene:
 
 
 @hard_case("rays", "distance of rays from the sides, in pixels", (*octaves(-2, -44, 3), 0.0))
-@truth("A panel in every column from the first seam to the last.")
-@source(
-    "A. Williams et al., An Efficient and Robust Ray-Box Intersection Algorithm (2005); T. Barnes, "
-    "Fast, Branchless Ray/Bounding Box Intersections (2015)"
-)
 @variants(
     Variant("minimum of NaN", 0.0, "0: 0 times infinity is NaN, and no hit", mistake=naive_boxes),
     Variant("raycast-naive-slabs", None, "its order of operands is right for +0, and no direction has -0"),
@@ -110,6 +109,11 @@ def slab_degeneracies(past: float, side: int) -> Scene:
     Parallel rays run along the sides of extents, and exactly within them in the end: there the slab test
     multiplies 0 by infinity, and what becomes of the NaN depends on the order of operands and on the sign of
     the zero. No order is right for all: the case needs a rule of its own.
+
+    Truth: A panel in every column from the first seam to the last.
+
+    Source: A. Williams et al., An Efficient and Robust Ray-Box Intersection Algorithm (2005); T. Barnes,
+    Fast, Branchless Ray/Bounding Box Intersections (2015)
     """
     left = np.arange(3.0, side - 4, 4) + 0.5 - past - 0.5 * side
     panels = [panel((x, x + 4.0), (-side, side), 1.0) for x in left.tolist()]

@@ -5,15 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from hsr.lab.stability.building import central, closed_fan, mesh, rectangle, scene_of, wall
-from hsr.lab.stability.family import FOLEY, Variant, buffer, hard_case, octaves, source, truth, variants
+from hsr.lab.stability.family import Variant, buffer, hard_case, octaves, variants
 from hsr.scene.model import Scene
 
 BEHIND = (-2.0, -1.0, -0.5, -0.25, -0.125, -0.0625, 0.0, 0.0625, 0.125, 0.25, 0.5, 1.0, 2.0)
 
 
 @hard_case("coverage", "distance of the corner behind the plane of the eye", BEHIND)
-@truth("The part of each triangle that lies before the near plane.")
-@source("M. Olano, T. Greer, Triangle Scan Conversion Using 2D Homogeneous Coordinates (1997)")
 @variants(
     buffer("no clipping", 0.0, "0: the divide by w < 0 mirrors the corner"),
     Variant("scanline-direct", None, "clipped before the divide"),
@@ -24,6 +22,10 @@ def behind_the_eye(behind: float, _: int) -> Scene:
     Six triangles share a corner that moves through the plane of the eye. There its projection goes to
     infinity, and comes back from the other side: a divide without clipping turns the triangle inside out.
     Clipped, or tested by edges that need no divide, it runs off the picture in the right direction.
+
+    Truth: The part of each triangle that lies before the near plane.
+
+    Source: M. Olano, T. Greer, Triangle Scan Conversion Using 2D Homogeneous Coordinates (1997)
     """
     angle = np.arange(6) * (np.pi / 3.0) + 0.1
     rim = np.stack([3.0 * np.cos(angle), 3.0 * np.sin(angle), np.full(6, -4.0)], axis=1)
@@ -32,8 +34,6 @@ def behind_the_eye(behind: float, _: int) -> Scene:
 
 
 @hard_case("rays", "distance from the near plane, over the near distance", (*octaves(-2, -50, 2), 0.0))
-@truth("The left panel; the right one only where it touches the near plane.")
-@source(f"{FOLEY}, 6.5: the view volume is closed")
 @variants(
     buffer("float32 corners", 2.0**-25, "2^-25: half the spacing below 1", real=np.float32),
     Variant("opengl", 2.0**-25, "2^-25: half the spacing below 1"),
@@ -46,6 +46,11 @@ def eye_on_surface(off: float, _: int) -> Scene:
     Two panels lie at the near plane, one a little behind it, one a little before it. What lies at the near
     distance exactly is seen, and what lies nearer is not. In float32 the panel in front is rounded onto the
     plane, and appears; who asks for more than the near distance loses both in the end.
+
+    Truth: The left panel; the right one only where it touches the near plane.
+
+    Source: J. Foley, A. van Dam, S. Feiner, J. Hughes, Computer Graphics: Principles and Practice, 6.5: the
+    view volume is closed
     """
     panels = []
     for left, depth in ((-0.75, 1.0 + off), (0.125, 1.0 - off)):

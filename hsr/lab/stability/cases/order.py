@@ -8,14 +8,11 @@ import numpy as np
 
 from hsr.lab.stability.building import loose, parallel, quads, scene_of
 from hsr.lab.stability.family import (
-    FOLEY,
     Variant,
     also,
     another_choice,
     hard_case,
     octaves,
-    source,
-    truth,
     variants,
 )
 from hsr.scene.model import Scene
@@ -27,8 +24,6 @@ def tilt_of(bits: int) -> Callable[[int], float]:
 
 
 @hard_case("order", "tilt of the bars, in depth ranges a pixel", octaves(-7, -33, 2))
-@truth("A pinwheel: turned by a quarter it is the same, with the bars renamed.")
-@source("M. Newell, R. Newell, T. Sancha, A Solution to the Hidden Surface Problem (1972)")
 @variants(
     Variant("painter", 2.0**-7, "always: there is no order"),
     Variant("scanline-d16", tilt_of(16), "2^-16 / (0.6 W)"),
@@ -41,6 +36,10 @@ def cyclic_overlap(tilt: float, side: int) -> Scene:
     Four bars lie each over the next, the last over the first. There is no order in which to paint them,
     unless one is cut; a depth buffer needs no order. The bars part by twice the tilt times their reach where
     they cross, and a depth format must tell that.
+
+    Truth: A pinwheel: turned by a quarter it is the same, with the bars renamed.
+
+    Source: M. Newell, R. Newell, T. Sancha, A Solution to the Hidden Surface Problem (1972)
     """
     near, far = 0.2 * side, 0.4 * side
     bar = np.array([[-far, -far], [far, -far], [far, -near], [-far, -near]])
@@ -52,8 +51,6 @@ def cyclic_overlap(tilt: float, side: int) -> Scene:
 
 
 @hard_case("order", "slope of each plane, in depth ranges a pixel", octaves(-7, -32))
-@truth("The plane that comes forward, on either side of the middle.")
-@source(f"{FOLEY}, 15.4 and 15.5")
 @variants(
     Variant("painter", 2.0**-7, "always: no order of two is right"),
     Variant("scanline-d16", 1.0 / (2.0**16 - 1.0), "q = 1 / (2^16 - 1)"),
@@ -67,6 +64,11 @@ def interpenetration(slope: float, side: int) -> Scene:
     Two planes go through each other along the middle of the picture. No order in which they could be painted
     is right. A depth buffer is, as long as it tells their depths apart at the samples next to the line, half
     a pixel from it: there they differ by the difference of slopes times half a pixel.
+
+    Truth: The plane that comes forward, on either side of the middle.
+
+    Source: J. Foley, A. van Dam, S. Feiner, J. Hughes, Computer Graphics: Principles and Practice, 15.4 and
+    15.5
     """
     end, z = 0.5 * side, 0.4
     tilted = [
@@ -88,11 +90,6 @@ def overlapping(method: str, bits: int) -> Variant:
 
 @hard_case("order", "grid of the corners, in pixels", octaves(0, -38, 2), continuous=False)
 @also(wrong=another_choice, figure_name="samples with another choice")
-@truth("The lowest of the triangles at a sample; counted wrong here is any other choice.")
-@source(
-    "D. Hearn, M. P. Baker, Computer Graphics, plane equations; the count is derived from the bits of "
-    "products"
-)
 @variants(overlapping("scanline-float32-direct", 24), overlapping("scanline-direct", 53))
 def coplanar_overlap(grid: float, side: int) -> Scene:
     """Lay large triangles over each other in the plane z = -1/2 + (x + 2 y) / (4 W), corners on a grid.
@@ -101,6 +98,11 @@ def coplanar_overlap(grid: float, side: int) -> Scene:
     rule names one, the lowest, so that all methods can agree. While the corners have few enough bits, plane
     equations are exact and depths equal; beyond that rounding decides, another way from triangle to triangle.
     Certified methods compare the planes.
+
+    Truth: The lowest of the triangles at a sample; counted wrong here is any other choice.
+
+    Source: D. Hearn, M. P. Baker, Computer Graphics, plane equations; the count is derived from the bits of
+    products
     """
     random = np.random.default_rng(3)
     around = np.array([[-0.9, -0.8], [0.9, -0.6], [0.1, 0.9]]) + random.uniform(-0.1, 0.1, (6, 3, 2))

@@ -11,7 +11,7 @@ import numpy as np
 from hsr.base.arrays import Bools, Floats
 from hsr.lab.stability import theory
 from hsr.lab.stability.building import central, quads, scene_of
-from hsr.lab.stability.family import Trial, Variant, also, buffer, hard_case, octaves, source, truth, variants
+from hsr.lab.stability.family import Trial, Variant, also, buffer, hard_case, octaves, variants
 from hsr.mistakes.renderers import Buffer, distance, levels, logarithm, minifloat, receding, through_ndc
 from hsr.scene.model import Scene
 
@@ -91,11 +91,6 @@ FOUR = of(theory.float_reversed, mantissa=12, least=-18)
 @hard_case("depth", "distance from the eye, in units of the near distance", octaves(0, 13))
 @also(size=lambda *_: (COLUMNS, ROWS), marked=CROSSINGS)
 @also(figure=resolution, figure_name="largest separation that is not resolved")
-@truth("The nearer square of every pair.")
-@source(
-    "E. Lapidous, G. Jiao, Optimal Depth Buffer for Low-Cost Graphics Hardware (1999); N. Reed, Depth "
-    "Precision Visualized (2015); J. Blinn, W Pleasure, W Fun (1998)"
-)
 @variants(
     scanned("D16", "d16", "q d^2 / near", D16),
     scanned("D24", "d24", "q d^2 / near", D24),
@@ -127,6 +122,11 @@ def parallel_pair(at: float, _: int) -> Scene:
     Standard window depth loses two digits for every tenfold distance, as integers and as floats; reversed
     floats, 1/w and logarithms lose one, and linear depth none. D24 and D32F part at twice the near distance,
     D16 and W16 cross where d^2 = near far, W24 passes reversed floats at half the far one.
+
+    Truth: The nearer square of every pair.
+
+    Source: E. Lapidous, G. Jiao, Optimal Depth Buffer for Low-Cost Graphics Hardware (1999); N. Reed, Depth
+    Precision Visualized (2015); J. Blinn, W Pleasure, W Fun (1998)
     """
     row, column = np.mgrid[:ROWS, :COLUMNS].reshape(2, -1)
     near = at * (1.0 + row / 64)

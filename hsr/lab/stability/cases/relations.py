@@ -9,7 +9,7 @@ import numpy as np
 
 from hsr.base.arrays import Array, Bools, Floats, Ints
 from hsr.lab.stability.building import mesh, parallel, scene_of
-from hsr.lab.stability.family import OPENGL, Trial, Variant, also, hard_case, source, truth, variants
+from hsr.lab.stability.family import Trial, Variant, also, hard_case, variants
 from hsr.scene.model import Scene
 
 Soup = tuple[Floats, Ints]
@@ -69,8 +69,6 @@ NUMBERS = tuple(map(float, range(1, len(CHANGES) + 1)))
 
 @hard_case("relations", "number of the change", NUMBERS, continuous=False)
 @also(wrong=changed, figure_name="samples that change")
-@truth("The same picture, moved or mirrored as the scene was.")
-@source(f"T. Chen, S. Cheung, S. Yiu, Metamorphic Testing (1998); {OPENGL}, appendix on invariance")
 @variants(
     Variant("backface", 2.0, "2: what is painted last stays", 1.0),
     Variant("painter", 7.0, "7: halves have farthest corners of their own", 1.0),
@@ -84,6 +82,11 @@ def relations(number: float, side: int) -> Scene:
     corners of each triangle named in turn; (2) triangles in reverse order; (3) moved by whole pixels; (4)
     mirrored left and right; (5) x and y exchanged; (6) all depths halved; (7) each triangle cut in two. No
     truth is needed to judge: a method that shows another picture contradicts itself.
+
+    Truth: The same picture, moved or mirrored as the scene was.
+
+    Source: T. Chen, S. Cheung, S. Yiu, Metamorphic Testing (1998); The OpenGL Graphics System, appendix on
+    invariance
     """
     change = CHANGES[int(number) - 1][0] if number else lambda v, t: (v, t)
     return scene_of(parallel(side), mesh(*change(*soup(side))))

@@ -6,7 +6,7 @@ import numpy as np
 
 from hsr.lab.stability import theory
 from hsr.lab.stability.building import central, flat, quads, scene_of
-from hsr.lab.stability.family import Variant, buffer, hard_case, octaves, source, truth, variants
+from hsr.lab.stability.family import Variant, buffer, hard_case, octaves, variants
 from hsr.mistakes.renderers import through_ndc
 from hsr.scene.model import Scene
 
@@ -25,8 +25,6 @@ def kept(name: str, breaks: float, because: str, method: str, depth_format: str)
 
 
 @hard_case("depth", "separation over distance, at 1000 times the near distance", octaves(-2, -28, 2))
-@truth("The nearer strip of every pair.")
-@source("N. Reed, Depth Precision Visualized (2015); OpenGL extension ARB_clip_control")
 @variants(
     Variant("D16", D16, "q d / near", method="scanline-d16"),
     Variant("D24", D24, "q d / near", method="scanline-d24"),
@@ -44,6 +42,10 @@ def reversed_clip_range(part: float, _: int) -> Scene:
     crowded. OpenGL's normalised depth runs from -1 to 1: adding 1 and halving rounds everything at the
     spacing of numbers near 1 first, and what reversing has gained is lost again. With glClipControl it runs
     from 0 to 1, and nothing is lost.
+
+    Truth: The nearer strip of every pair.
+
+    Source: N. Reed, Depth Precision Visualized (2015); OpenGL extension ARB_clip_control
     """
     corners = []
     for k, x in enumerate(np.linspace(-1.0, 1.0, 8, endpoint=False)):

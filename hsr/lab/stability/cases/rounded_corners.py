@@ -21,7 +21,7 @@ from hsr.lab.stability.building import (
     seen,
     wall,
 )
-from hsr.lab.stability.family import FOLEY, OPENGL, buffer, hard_case, octaves, source, truth, variants
+from hsr.lab.stability.family import buffer, hard_case, octaves, variants
 from hsr.lab.stability.rounding import in_space, on_screen, snapped
 from hsr.scene.model import Scene
 
@@ -29,8 +29,6 @@ EPSILON = 2.0**-17
 
 
 @hard_case("coverage", "distance of corners from samples, in pixels", octaves(-1, -43, 2))
-@truth("The triangle to the left of and below each corner.")
-@source(f"{FOLEY}, 3.6: who owns the pixels on an edge")
 @variants(
     *snapped(),
     on_screen(),
@@ -48,17 +46,17 @@ def lattice_edges(offset: float, side: int) -> Scene:
     owner, and at the sample itself the rule of top and left edges names it. Whoever rounds corners to a grid
     moves them onto the samples or past them; whoever widens edges by an epsilon lets two triangles own what
     lies within it, and the one drawn first keeps it.
+
+    Truth: The triangle to the left of and below each corner.
+
+    Source: J. Foley, A. van Dam, S. Feiner, J. Hughes, Computer Graphics: Principles and Practice, 3.6: who
+    owns the pixels on an edge
     """
     corners, triangles = net(side, offset, 2.0 * offset)
     return scene_of(parallel(side), mesh(flat(corners), triangles))
 
 
 @hard_case("coverage", "height of the needle, in pixels", octaves(1, -33, 2))
-@truth("The needle at the samples between its edges, the wall behind elsewhere.")
-@source(
-    "J. R. Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric "
-    "Predicates (1997): the error of an orientation test grows with the length of the edges"
-)
 @variants(*snapped(2.0), on_screen(), *in_space())
 def needle(height: float, side: int) -> Scene:
     """Lay a needle along every fourth line of samples, in front of a wall.
@@ -66,6 +64,11 @@ def needle(height: float, side: int) -> Scene:
     A triangle twice as long as the picture is wide holds samples between its long edges, however thin it is.
     Snapped to a grid of 2^-b pixels it has no area left once its height is less than that; in float32 its
     area drowns in the rounding of products as long as the picture is wide.
+
+    Truth: The needle at the samples between its edges, the wall behind elsewhere.
+
+    Source: J. R. Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates
+    (1997): the error of an orientation test grows with the length of the edges
     """
     y = samples(side, 0, side, 4)
     x = np.full_like(y, side)
@@ -74,8 +77,6 @@ def needle(height: float, side: int) -> Scene:
 
 
 @hard_case("coverage", "width of the gap, in pixels", octaves(1, -33, 2))
-@truth("The far wall in the column of samples, the near walls elsewhere.")
-@source("Microsoft, Direct3D 11.3 Functional Specification, 3.4.1: corners are snapped to 8 fraction bits")
 @variants(*snapped(2.0), on_screen(2.0))
 def needle_gap(width: float, side: int) -> Scene:
     """Leave a gap about a column of samples between two walls, in front of a third.
@@ -83,6 +84,10 @@ def needle_gap(width: float, side: int) -> Scene:
     Two walls leave a gap through which a third is seen, at one column of samples in the middle of it.
     However narrow the gap, it is seen there. A grid of 2^-b pixels closes it when both its edges are rounded
     to the column of samples, which one of the two walls then owns.
+
+    Truth: The far wall in the column of samples, the near walls elsewhere.
+
+    Source: Microsoft, Direct3D 11.3 Functional Specification, 3.4.1: corners are snapped to 8 fraction bits
     """
     left, right, end = 0.5 - 0.5 * width, 0.5 + 0.5 * width, float(side)
     walls = [rectangle(x, (-end, end), 1.0) for x in ((-end, left), (right, end))]
@@ -94,8 +99,6 @@ AROUND = np.array([[3, 1], [1, 3], [-1, 3], [-3, 1], [-3, -1], [-1, -3], [1, -3]
 
 
 @hard_case("coverage", "radius of the eight triangles, in pixels", octaves(-1, -33, 2))
-@truth("One of the eight triangles at each such sample, the wall behind everywhere else.")
-@source(f"{OPENGL}, 3.6.1: rasterization of polygons, at least 4 bits of sub-pixel precision")
 @variants(*snapped(), on_screen())
 def micro_triangles(radius: float, side: int) -> Scene:
     """Put eight triangles about every eighth sample, in front of a wall.
@@ -103,6 +106,11 @@ def micro_triangles(radius: float, side: int) -> Scene:
     Eight triangles meet at a sample, and all of them together are smaller than a pixel. One of them owns the
     sample, however small they are. Corners that are rounded to a grid of 2^-b pixels fall together when the
     radius is less than half of it, and the triangles vanish.
+
+    Truth: One of the eight triangles at each such sample, the wall behind everywhere else.
+
+    Source: The OpenGL Graphics System, 3.6.1: rasterization of polygons, at least 4 bits of sub-pixel
+    precision
     """
     line = samples(side, 4, side, 8)
     centre = np.stack(np.meshgrid(line, line), axis=2).reshape(-1, 1, 2)
@@ -116,8 +124,6 @@ ALONG = np.array([3.0, 1.0])
 
 
 @hard_case("coverage", "grid that holds the corners, in pixels", octaves(-2, -28, 2), continuous=False)
-@truth("A triangle at every sample of the edge, whichever of those that meet there.")
-@source(f"{OPENGL}, appendix on corollaries: no promise holds where edges do not share corners")
 @variants(*snapped(), on_screen())
 def t_junction(step: float, side: int) -> Scene:
     """Divide many small squares by an edge on samples, one neighbour having a corner in the middle of it.
@@ -128,6 +134,11 @@ def t_junction(step: float, side: int) -> Scene:
     the crack at samples on the edge.
 
     All corners are multiples of ``step`` along the edge, so that they lie on it exactly.
+
+    Truth: A triangle at every sample of the edge, whichever of those that meet there.
+
+    Source: The OpenGL Graphics System, appendix on corollaries: no promise holds where edges do not share
+    corners
     """
     random = np.random.default_rng(0)
     first = np.mgrid[4 : side - 8 : 12, 4 : side - 4 : 8].reshape(2, -1).T + 0.5 - 0.5 * side
@@ -140,8 +151,6 @@ def t_junction(step: float, side: int) -> Scene:
 
 
 @hard_case("coverage", "how far tips reach beyond samples, in pixels", octaves(-1, -33, 2))
-@truth("The triangles at the samples of their tips.")
-@source("The lab's rule of ties: the limit from the right and below")
 @variants(*snapped(), on_screen())
 def vertex_on_edge(beyond: float, side: int) -> Scene:
     """Point triangles from the left at a column of samples, and end a wall behind them at the same column.
@@ -149,6 +158,10 @@ def vertex_on_edge(beyond: float, side: int) -> Scene:
     Tips of triangles end at a column of samples, at which the edge of a wall behind them ends as well: seen
     from the eye, corners lie on an edge. Each tip reaches beyond its sample by a little, and owns it. Rounded
     to a grid the tip ends on the sample, which then belongs to what is behind.
+
+    Truth: The triangles at the samples of their tips.
+
+    Source: The lab's rule of ties: the limit from the right and below
     """
     y = samples(side, 2, side - 2, 4)
     x = np.full_like(y, 0.5)
@@ -159,8 +172,6 @@ def vertex_on_edge(beyond: float, side: int) -> Scene:
 
 
 @hard_case("coverage", "height of the strip, in pixels", octaves(0, -32, 2))
-@truth("The strip along its line of samples, the sheets above and below.")
-@source("Microsoft, Direct3D 11.3 Functional Specification, 3.4.1: culling comes after snapping")
 @variants(*snapped(2.0), on_screen(2.0))
 def fold_over(height: float, side: int) -> Scene:
     """Join two sheets by a strip about a line of samples, its borders zigzags of half its height.
@@ -171,6 +182,10 @@ def fold_over(height: float, side: int) -> Scene:
     samples go to the wrong faces.
 
     Diagonals cross the line half-way between samples, and so do the sides of the strip's triangles.
+
+    Truth: The strip along its line of samples, the sheets above and below.
+
+    Source: Microsoft, Direct3D 11.3 Functional Specification, 3.4.1: culling comes after snapping
     """
     x = np.arange(-0.5 * side - 4.0, 0.5 * side + 5.0, 4.0)
     zigzag, end = 0.25 * height * (-1.0) ** np.arange(len(x)), np.full(len(x), float(side))
@@ -180,8 +195,6 @@ def fold_over(height: float, side: int) -> Scene:
 
 
 @hard_case("coverage", "width of the right face on the screen, in pixels", octaves(0, -32, 2))
-@truth("The right face in its column of samples, the front face to the left of it.")
-@source("D. Hearn, M. P. Baker, Computer Graphics, back-face detection")
 @variants(*snapped(2.0), on_screen(2.0))
 def edge_on_cube(width: float, side: int) -> Scene:
     """Turn a cube about the y axis until its right face is so many pixels wide; samples lie within it.
@@ -192,6 +205,10 @@ def edge_on_cube(width: float, side: int) -> Scene:
     and the face is culled.
 
     The turn has the sine 2 t / (1 + t^2) and the cosine (1 - t^2) / (1 + t^2), rational as t is.
+
+    Truth: The right face in its column of samples, the front face to the left of it.
+
+    Source: D. Hearn, M. P. Baker, Computer Graphics, back-face detection
     """
     half = 0.25 * side
     t = width / (4.0 * half)
@@ -212,8 +229,6 @@ DIRECTIONS = ((4, 1), (1, 3), (-2, 3), (-3, 1), (-3, -2), (-1, -4), (1, -3), (3,
 
 
 @hard_case("order", "width of the wedges at their ends, in pixels", octaves(-3, -31, 2))
-@truth("The wedge at the samples of its middle line, the wall elsewhere.")
-@source("M. Attene, Indirect Predicates for Geometric Constructions (2020): do not round what is constructed")
 @variants(*snapped(2.0), on_screen(8.0))
 def concurrent_edges(width: float, side: int) -> Scene:
     """Point wedges, so wide at their ends, at one sample, each about a line of samples and at its depth.
@@ -222,6 +237,11 @@ def concurrent_edges(width: float, side: int) -> Scene:
     picture. Each wedge holds samples along its middle, out to its end. Rounding corners closes a wedge once
     it is narrower than the grid; in float32 it closes at its first sample, where it is about a seventh as
     wide as at its end.
+
+    Truth: The wedge at the samples of its middle line, the wall elsewhere.
+
+    Source: M. Attene, Indirect Predicates for Geometric Constructions (2020): do not round what is
+    constructed
     """
     wedges = []
     for k, (x, y) in enumerate(DIRECTIONS):

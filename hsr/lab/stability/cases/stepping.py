@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from hsr.lab.stability.building import loose, parallel, quads, scene_of
-from hsr.lab.stability.family import Variant, also, buffer, hard_case, octaves, source, truth, variants
+from hsr.lab.stability.family import Variant, also, buffer, hard_case, octaves, variants
 from hsr.lab.stability.theory import U32
 from hsr.scene.model import Scene
 
@@ -25,8 +25,6 @@ def first_drift() -> float:
 
 @hard_case("coverage", "height of the picture, in samples", octaves(3, 12), continuous=False)
 @also(size=lambda height, _: (WIDTH, int(height)))
-@truth("The strip whose edges lie on either side of the sample.")
-@source("D. Hearn, M. P. Baker, Computer Graphics, scan-line polygon fill: x' = x + 1/m")
 @variants(
     Variant("scanline-float32", first_drift(), "H = sqrt(4 2^24 / (E W)): drift of W 2^-26 a line"),
     Variant("scanline", None, "float64: 2^14.5 times as high"),
@@ -37,6 +35,10 @@ def edge_drift(height: float, _: int) -> Scene:
     Down an edge x goes on by 1/m from line to line. In float32 every step is rounded, always by the same
     amount as long as x stays between two powers of two, and the edge drifts away from where it is; after
     enough lines it passes on the wrong side of a sample.
+
+    Truth: The strip whose edges lie on either side of the sample.
+
+    Source: D. Hearn, M. P. Baker, Computer Graphics, scan-line polygon fill: x' = x + 1/m
     """
     random = np.random.default_rng(0).uniform(-0.4, 0.4, (2, EDGES + 2))
     top, bottom = np.sort(random + np.linspace(-34.0, 34.0, EDGES + 2), axis=1)
@@ -61,8 +63,6 @@ def guarded(bits: int) -> Variant:
 
 @hard_case("depth", "length of the spans, in samples", octaves(3, 14), continuous=False)
 @also(size=lambda length, _: (int(length), ROWS))
-@truth("The nearer span everywhere.")
-@source("D. Hearn, M. P. Baker, Computer Graphics, depth-buffer method: z' = z - A/C")
 @variants(
     Variant("scanline-float32", 2.0 * GAP, "2 gap: L / 2 steps of drift", LATE),
     Variant("scanline-float32-direct", None, "3 steps at any length"),
@@ -81,6 +81,10 @@ def long_span(length: float, _: int) -> Scene:
 
     At the right end they come as close as the gap, by increments a step or more apart: each drifts its own
     way.
+
+    Truth: The nearer span everywhere.
+
+    Source: D. Hearn, M. P. Baker, Computer Graphics, depth-buffer method: z' = z - A/C
     """
     random = np.random.default_rng(0)
     end, gap = 0.5 * length, GAP * 2.0**-24
@@ -101,8 +105,6 @@ APART = 2.0**-20
 
 @hard_case("depth", "distance from the left end, in pixels", octaves(4, 13), continuous=False)
 @also(size=lambda away, _: (int(away) + HEIGHT, HEIGHT))
-@truth("The nearer of two parallel triangles.")
-@source("Derived: 2^-24 |dz/dx| x, the rounding of what depth is at the left end")
 @variants(
     buffer("anchored", APART * 2.0**24 / SLOPE, "2^24 s / |dz/dx|, for a separation s", anchored=True),
     Variant("scanline-float32-direct", None, "anchored at the first sample of a span: 2^-24, less than s"),
@@ -113,6 +115,10 @@ def steep_far_triangle(away: float, _: int) -> Scene:
     A small steep triangle stands far from the left end of the picture. Evaluating its plane from there in
     float32 carries depth back over the whole way, to numbers much larger than any depth, and rounds it at
     their spacing. Anchored at one of its own corners the plane is as good as anywhere.
+
+    Truth: The nearer of two parallel triangles.
+
+    Source: Derived: 2^-24 |dz/dx| x, the rounding of what depth is at the left end
     """
     x = 0.5 * (away + HEIGHT) - 12.0
     across = np.array([[x, -6.1], [x + 8.0, -5.9], [x + 0.1, 6.5]])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from hsr.lab.stability.building import central, crumpled, mesh, moved, net, placed, scene_of, seen
-from hsr.lab.stability.family import SHEWCHUK, Variant, buffer, hard_case, octaves, source, truth, variants
+from hsr.lab.stability.family import Variant, buffer, hard_case, octaves, variants
 from hsr.lab.stability.theory import U32
 from hsr.scene.model import Scene
 
@@ -19,11 +19,6 @@ def least_trembling(side: int) -> float:
 
 
 @hard_case("rays", "distance from the origin, in scene units", octaves(2, 26, 2))
-@truth("The same net as at the origin.")
-@source(
-    "Derived: T 2^-24, half the spacing at T, times W / 2 pixels a unit at depth 1; cf. Embree's "
-    "tests of watertightness far from the origin"
-)
 @variants(
     Variant("opengl", least_trembling, "2^25 past / W: corners and matrix in float32"),
     Variant("embree", least_trembling, "2^25 past / W: corners and rays in float32"),
@@ -36,6 +31,11 @@ def far_from_origin(away: float, side: int) -> Scene:
     Scene and eye move away from the origin together, and what is seen does not change. Whoever puts corners
     into the world in float32 rounds them at the spacing of numbers out there, and the picture trembles.
     Whoever carries the ray into the object's frame by an exact enough transform does not notice.
+
+    Truth: The same net as at the origin.
+
+    Source: Derived: T 2^-24, half the spacing at T, times W / 2 pixels a unit at depth 1; cf. Embree's tests
+    of watertightness far from the origin
     """
     corners, triangles = net(side, PAST, 2.0 * PAST)
     place = {"translate": [away, 0.75 * away, 0.0]}
@@ -49,11 +49,6 @@ LOST = "2 near 2^24: the constants of z and w become one number"
 
 
 @hard_case("depth", "distance of eye and scene from the origin, in scene units", octaves(4, 30, 2))
-@truth("The nearest of three walls, as without the translation.")
-@source(
-    "P. Upchurch, M. Desbrun, Tightening the Precision of Perspective Rendering (Journal of Graphics "
-    "Tools 16, 2012)"
-)
 @variants(
     Variant("opengl", 2.0**25 * NEAR, LOST),
     buffer("composed", 2.0**25 * NEAR, LOST, real=np.float32, composed=True),
@@ -68,14 +63,17 @@ def composed_matrix(away: float, _: int) -> Scene:
     in its rows for z and w, and in the one for z twice the near distance on top: once that is less than the
     spacing of float32 at T it is gone, z equals w for every depth, and the order is lost. Depth first and
     window depth after it keeps the near distance out of such company.
+
+    Truth: The nearest of three walls, as without the translation.
+
+    Source: P. Upchurch, M. Desbrun, Tightening the Precision of Perspective Rendering (Journal of Graphics
+    Tools 16, 2012)
     """
     walls = [placed("square", 0.5 * d, [0.4 * (k - 1) * d, 0.0, away - d]) for k, d in enumerate(DEPTHS)]
     return scene_of(moved(central(NEAR, None), 0.0, 0.0, away), *walls)
 
 
 @hard_case("relations", "scale of everything", octaves(0, 120, 8), continuous=False)
-@truth("The same picture at every scale.")
-@source(f"{SHEWCHUK} (1997): exact barring over- and underflow")
 @variants(
     *(
         Variant(f"raycast-{test}float32", 2.0 ** (128 / 3), "2^(128/3): a product of three lengths overflows")
@@ -89,6 +87,11 @@ def scale_by_powers(scale: float, side: int) -> Scene:
     Scene and camera are multiplied by a power of two. No digit changes, and no decision may, until a product
     overflows: a product of three lengths, which triangle tests divide by another to get the distance, does in
     float32 beyond 2^42.
+
+    Truth: The same picture at every scale.
+
+    Source: J. R. Shewchuk, Adaptive Precision Floating-Point Arithmetic (1997): exact barring over- and
+    underflow
     """
     corners, triangles = crumpled(side, 0.3, 0.4)
     ball = placed("sphere", 0.5 * scale, [0.0, 0.0, -1.5 * scale])

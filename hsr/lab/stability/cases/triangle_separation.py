@@ -12,7 +12,7 @@ import numpy as np
 from hsr.base.arrays import Bools, Floats
 from hsr.lab.stability import theory
 from hsr.lab.stability.building import central, loose, scene_of
-from hsr.lab.stability.family import Trial, Variant, also, hard_case, octaves, source, truth, variants
+from hsr.lab.stability.family import Trial, Variant, also, hard_case, octaves, variants
 from hsr.scene.model import Scene
 
 NEAR, FAR, DEPTH = 1.0, 65537.0, 512.0
@@ -84,11 +84,6 @@ def snapping(bits: int, depth_bits: int) -> Variant:
 )
 @also(wrong=swapped, marked={"S_min of D24 with 8 bits": 1.0})
 @also(figure=failure_rate, figure_name="part of the samples that show the farther one")
-@truth("The nearer triangle wherever both are met.")
-@source(
-    "K. Akeley, J. Su, Minimum Triangle Separation for Correct Z-Buffer Occlusion (2006); the formula "
-    "is derived anew in theory.py"
-)
 @variants(
     snapping(4, 16),
     snapping(8, 16),
@@ -103,6 +98,11 @@ def triangle_separation(part: float, side: int) -> Scene:
     Pairs of parallel triangles lie in planes of any orientation. A depth buffer that snaps corners moves each
     plane, and a plane seen at a slant moves far along the line of sight: sub-pixel precision can matter more
     than the depth format. The closed form bounds both; below it failures begin, at it there are none.
+
+    Truth: The nearer triangle wherever both are met.
+
+    Source: K. Akeley, J. Su, Minimum Triangle Separation for Correct Z-Buffer Occlusion (2006); the formula
+    is derived anew in theory.py
     """
     corners = []
     for triangle, normal, around in nearer_triangles():
