@@ -16,12 +16,12 @@ if TYPE_CHECKING:
     from hsr.difference.classes import compare as compare
     from hsr.difference.diagnosis import diagnose as diagnose
     from hsr.difference.history import history as history
+    from hsr.lab.named import load as load
     from hsr.pages.notebook import report as report
     from hsr.problem.map import VisibilityMap as VisibilityMap
     from hsr.problem.map import load_map as load_map
     from hsr.problem.view import View as View
     from hsr.problem.view import view as view
-    from hsr.scene.files import load as load
     from hsr.scene.model import MatrixCamera as MatrixCamera
     from hsr.scene.model import Orthographic as Orthographic
     from hsr.scene.model import Perspective as Perspective

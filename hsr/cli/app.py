@@ -17,7 +17,6 @@ from hsr import __version__
 from hsr.base.errors import HsrError, UnavailableError
 from hsr.cli import common as cli
 from hsr.cli.accept import accept, report
-from hsr.cli.algos import algos
 from hsr.cli.bench import bench_app
 from hsr.cli.compare import compare
 from hsr.cli.demo import demo
@@ -26,10 +25,9 @@ from hsr.cli.doctor import doctor
 from hsr.cli.explain import explain
 from hsr.cli.gallery import gallery
 from hsr.cli.lesson import lesson
+from hsr.cli.lists import algos, scenes, schema
 from hsr.cli.render import render
 from hsr.cli.scene import scene_app
-from hsr.cli.scenes import scenes
-from hsr.cli.schema import schema
 from hsr.cli.shrink import shrink
 from hsr.cli.stability import stability_app
 

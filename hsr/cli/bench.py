@@ -43,7 +43,7 @@ Quick = Annotated[bool, Option("--quick", help="Small pictures and few turns.")]
 @bench_app.command()
 @with_cameras
 def run(
-    scenes: Annotated[list[Path] | None, Argument(help="Scenes or mesh files.")] = None,
+    scenes: Annotated[list[Path] | None, cli.SCENES] = None,
     method: cli.Methods = None,
     size: Annotated[cli.Texts, Option(help="Image size in pixels, N or WxH, repeatable; 512.")] = None,
     cull: Annotated[cli.Texts, Option(help="none or back, repeatable; as the scene says by default.")] = None,

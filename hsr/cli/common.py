@@ -26,6 +26,9 @@ from hsr.base.errors import HsrError
 MAPS = (".npz", ".png")
 """Endings of maps."""
 
+WRITTEN = (*MAPS, ".html", ".json", ".csv", ".md", ".svg", ".toml")
+"""Endings of all that verbs write: who names a folder so means a file."""
+
 ALL = "all"
 """In place of the name of a method: every one there is."""
 
@@ -40,8 +43,8 @@ def output(about: str, *endings: str, name: str = "--output", **more: Any) -> An
     """Return the option of where to write: a folder, or a file with one of these endings."""
 
     def check(value: Path | None) -> Path | None:
-        if value is not None and endings:
-            check_file(value, *endings)
+        if value is not None:
+            check_output(value, *endings)
         return value
 
     names = (name, "-o") if name == "--output" else (name,)
@@ -51,6 +54,13 @@ def output(about: str, *endings: str, name: str = "--output", **more: Any) -> An
 def method_completion(incomplete: str) -> list[str]:
     """Return the methods whose names begin so, for the shell."""
     return [name for name in hsr.methods() if name.startswith(incomplete)]
+
+
+def scene_completion(incomplete: str) -> list[str]:
+    """Return the built-in scenes whose names begin so; where there is none the shell completes files."""
+    from hsr.scene.files import built_in
+
+    return [name for name in built_in() if name.startswith(incomplete)]
 
 
 Text = str | None
@@ -69,8 +79,9 @@ Methods = Annotated[
     ),
 ]
 Size = Annotated[str, Option(help="Image size in pixels, WxH or N.")]
-SceneFiles = Annotated[list[Path], Argument(help="Scenes or mesh files.")]
-SceneFile = Annotated[Path, Argument(help="Scene or mesh file.")]
+SCENES = Argument(help="Scenes or mesh files.", autocompletion=scene_completion)
+SceneFiles = Annotated[list[Path], SCENES]
+SceneFile = Annotated[Path, Argument(help="Scene or mesh file.", autocompletion=scene_completion)]
 SceneOutput = Annotated[Path | None, output("Scene to write, .toml; standard output by default.", ".toml")]
 MapFile = Annotated[Path, Argument(help="Map, .npz, or a PNG whose colours are ids, from 1 on.")]
 Against = Annotated[Path, Argument(help="What it should show: another map, or the scene, for the exact one.")]
@@ -141,14 +152,19 @@ def read_map(path: Path, view: hsr.View | None = None) -> hsr.VisibilityMap:
     return hsr.testing.from_png(path, view) if path.suffix.lower() == ".png" else hsr.load_map(path)
 
 
-def check_file(path: Path, *endings: str) -> None:
-    """Refuse a file that cannot be written before the work is done, not after.
+def check_output(path: Path, *endings: str) -> None:
+    """Refuse a file, or without endings a folder, that cannot be written: before the work is done, not after.
 
     Raises
     ------
     HsrError
-        If it has another ending than what is written, or its folder is not there.
+        If a file has another ending than what is written, or its folder is not there; or if a folder is
+        called as files are.
     """
+    if not endings:
+        if path.suffix.lower() in WRITTEN and not path.is_dir():
+            raise HsrError(f"{path}: what is written is a folder; say {path.with_suffix('')}")
+        return
     if path.suffix.lower() not in endings:
         raise HsrError(
             f"{path}: what is written ends in {' or '.join(endings)}; say {path.with_suffix(endings[0])}"
@@ -187,23 +203,19 @@ def print_table(
     column = {name: [cells[k] for cells in lines] for k, name in enumerate(head)}
     numbers = head[1:] if right is None else right
     label = next(name for name in head if name not in numbers)
+    most = {name: None if name in (*numbers, label) else READABLE for name in head}
+    widths = {name: max(map(cell_len, (name, *texts))) for name, texts in column.items()}
 
-    def width(names: Sequence[str]) -> int:
-        longest = [max(map(cell_len, (name, *column[name]))) for name in names]
-        whole = [name in numbers or name == label for name in names]
-        return (
-            sum(n if all_of_it else min(n, READABLE) for n, all_of_it in zip(longest, whole, strict=True))
-            + 2 * len(names)
-            - 2
-        )
+    def fit(names: Sequence[str]) -> bool:
+        return sum(min(widths[name], most[name] or widths[name]) + 2 for name in names) - 2 <= out.width
 
     kept = list(head)
     for name in (*below, *least):
-        if name in kept and width(kept) > out.width:
+        if name in kept and not fit(kept):
             kept.remove(name)
     parts: list[list[str]] = [[]]
     for name in kept:
-        if len(parts[-1]) > 1 and width([*parts[-1], name]) > out.width:
+        if len(parts[-1]) > 1 and not fit([*parts[-1], name]):
             parts.append([label])
         parts[-1].append(name)
     out.print(escape(title), style="italic", end="\n" if title else "")
@@ -211,16 +223,14 @@ def print_table(
         table = Table(box=None, pad_edge=False)
         for name in names:
             side: JustifyMethod = "right" if name in numbers else "left"
-            whole = name in numbers or name == label
-            table.add_column(escape(name), justify=side, no_wrap=whole, overflow="fold")
+            table.add_column(escape(name), justify=side, no_wrap=most[name] is None, overflow="fold")
         for k, cells in enumerate(lines):
             table.add_row(*(escape(column[name][k]) for name in names), style=None if cells[0] else "dim")
         out.print(table)
-    gone = [name for name in head if name not in kept]
-    for name in (name for name in gone if name in below):
+    for name in (name for name in head if name in below and name not in kept):
         told = zip(column[label], column[name], strict=True)
         say(*(f"{one.strip()}: {text}" for one, text in told if text), to=out)
-    if left_out := [name for name in gone if name not in below]:
+    if left_out := [name for name in head if name not in (*kept, *below)]:
         out.print(escape(f"Not shown for want of room: {', '.join(left_out)}."), style="dim")
 
 
@@ -241,9 +251,8 @@ def print_list(
     """Print things of one kind as JSON, or else a line each."""
     if as_json:
         return print_json(kind, {kind: rows})
-    told = (
-        [("no", "yes")[value] if isinstance(value, bool) else value for value in row.values()] for row in rows
-    )
+    words = {False: "no", True: "yes"}
+    told = [[words[value] if isinstance(value, bool) else value for value in row.values()] for row in rows]
     return print_table(list(rows[0]), told, right=(), least=least)
 
 

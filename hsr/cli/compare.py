@@ -169,7 +169,8 @@ def _print_study(found: Study, verbose: bool) -> None:
 
     title = f"{found.name}, {found.view.width}x{found.view.height}, against {found.reference or 'nothing'}"
     head = ("method", "differ", *DIFFERENT, "largest cluster", "render")
-    cli.print_table(head, [_cells(found, name) for name in found.methods], title=title, least=LEAST)
+    rows = [_cells(found, name, DIFFERENT) for name in found.methods]
+    cli.print_table(head, rows, title=title, least=LEAST)
     if found.maps and all((shown.face < 0).all() for shown in found.maps.values()):
         cli.say(f"nothing is seen: {why_nothing(found.view, next(iter(found.maps)))}")
     cli.say(*(f"{name}: {_counted(why.counts)}" for name, why in found.causes.items() if why.wrong))
@@ -181,16 +182,14 @@ def _print_study(found: Study, verbose: bool) -> None:
     cli.out.print()
 
 
-def _cells(found: Study, name: str) -> tuple[str, ...]:
-    from hsr.difference.classes import DIFFERENT
-
+def _cells(found: Study, name: str, kinds: Sequence[str]) -> tuple[str, ...]:
     if name in found.skipped:
         return (name, _absence(found, name))
     time = cli.milliseconds(found.maps[name].seconds) + _star([found], name)
     if name not in found.differences:
-        return (name, "reference" if name == found.reference else "-", *[""] * (len(DIFFERENT) + 1), time)
+        return (name, "reference" if name == found.reference else "-", *[""] * (len(kinds) + 1), time)
     difference = found.differences[name]
-    counts = (difference.different, *map(difference.counts.__getitem__, DIFFERENT), difference.largest)
+    counts = (difference.different, *map(difference.counts.__getitem__, kinds), difference.largest)
     return (name, *(f"{count:,}" for count in counts), time)
 
 
@@ -242,15 +241,10 @@ def _sum_cells(studies: Sequence[Study], name: str) -> tuple[str, ...]:
 def _print_cameras(studies: Sequence[Study]) -> None:
     """Print one row a scene and camera: the wrong samples of every method that is wrong anywhere."""
     judged = dict.fromkeys(name for found in studies for name in found.differences)
-    wrong = {
-        name: [
-            f"{found.differences[name].different:,}" if name in found.differences else "-"
-            for found in studies
-        ]
-        for name in judged
-    }
-    names = [name for name in judged if {*wrong[name]} - {"0", "-"}]
-    rows = [(found.name, *(wrong[name][k] for name in names)) for k, found in enumerate(studies)]
+    found_by = {name: [found.differences.get(name) for found in studies] for name in judged}
+    names = [name for name in judged if any(found and not found.same for found in found_by[name])]
+    wrong = [[f"{found.different:,}" if found else "-" for found in found_by[name]] for name in names]
+    rows = list(zip([found.name for found in studies], *wrong, strict=True))
     cli.out.print()
     cli.print_table(("scene, camera", *names), rows, title="Samples that show another face, by camera")
     if always := [name for name in judged if name not in names]:

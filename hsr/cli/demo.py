@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from typer import Argument, Option
+from typer import Option
 
 import hsr
 from hsr.cli import common as cli
@@ -31,7 +31,7 @@ EVERY = 2.0
 
 @with_cameras
 def demo(
-    scene: Annotated[Path, Argument(help="Scene or mesh file.")] = Path("solids"),
+    scene: cli.SceneFile = Path("solids"),
     output: Annotated[Path, cli.output("Page to write.", ".html")] = Path("hsr-demo.html"),
     size: cli.Size = "384x384",
     browse: Annotated[bool, Option(help="Open the page in a browser, where there is a desktop.")] = True,

@@ -27,14 +27,8 @@ PATIENCE = 300.0
 
 INSTALL = "apt-get install -y --no-install-recommends"
 
-SCENE = {
-    "camera": [{"type": "perspective", "eye": [2.5, 2.0, 4.0]}],
-    "object": [
-        {"name": "cube", "shape": "cube", "transform": [{"rotate_y": 20.0}]},
-        {"name": "wall", "shape": "square", "transform": [{"scale": 1.5}, {"rotate_x": 15.0}]},
-    ],
-}
-"""A cube that a wall cuts through: some faces hide others, and two surfaces meet."""
+SCENE = "interpenetrating"
+"""Some of its faces hide others, and surfaces meet within the picture."""
 
 
 def doctor(as_json: cli.Json = False) -> None:
@@ -122,7 +116,7 @@ def probe(backend: str) -> dict[str, Any]:
 
     try:
         context = BACKENDS[backend]()
-        seen = hsr.view(hsr.Scene.model_validate(SCENE), (64, 64))
+        seen = hsr.view(hsr.load(SCENE), (64, 64))
         drawn, ours = hsr.render(seen, "opengl", backend=backend), hsr.render(seen, "zbuffer")
     except HsrError as error:
         return {"draws": False, "problem": str(error)}

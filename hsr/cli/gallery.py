@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-from typer import Argument, Option
+from typer import Option
 
 import hsr
 from hsr.base.errors import HsrError
@@ -16,7 +16,7 @@ from hsr.cli.cameras import Cameras, with_cameras
 
 @with_cameras
 def gallery(
-    scenes: Annotated[list[Path], Argument(help="Scene files.")],
+    scenes: cli.SceneFiles,
     output: Annotated[Path, cli.output("Folder to write.")],
     size: cli.Size = "256x256",
     turn: Annotated[cli.Texts, Option(help="Scene, by its name, to show turning; repeatable.")] = None,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
+from typer import Argument, Option
 
 import hsr
 from hsr.base.errors import HsrError
@@ -16,10 +16,10 @@ from hsr.cli.cameras import Cameras, with_cameras
 
 @with_cameras
 def lesson(
-    topic: Annotated[str | None, typer.Argument(help="What it is about; an unknown one lists all.")] = None,
-    scene: Annotated[Path | None, typer.Argument(help="Scene in place of the lesson's own.")] = None,
-    output: Annotated[Path | None, cli.output("Page to write, .html; with --all a folder.")] = None,
-    course: Annotated[bool, typer.Option("--all", help="All lessons, and a page that lists them.")] = False,
+    topic: Annotated[str | None, Argument(help="What it is about; an unknown one lists all.")] = None,
+    scene: Annotated[Path | None, Argument(help="Scene in place of the lesson's own.")] = None,
+    output: Annotated[Path | None, Option("--output", "-o", help="Page, .html; with --all a folder.")] = None,
+    course: Annotated[bool, Option("--all", help="All lessons, and a page that lists them.")] = False,
     *,
     cameras: Cameras,
 ) -> None:
@@ -37,10 +37,10 @@ def lesson(
         raise HsrError(f"name a topic or say --all; the topics are {', '.join(topics())}")
     if output is None:
         raise HsrError("say where to write by -o: a page.html for one topic, a folder for --all")
-    if topic is None:
+    chosen = None if topic is None else topic_named(topic)
+    cli.check_output(output, *((".html",) if chosen else ()))
+    if chosen is None:
         write_course(topics(), make_folder(output))
     else:
-        chosen = topic_named(topic)
-        cli.check_file(output, ".html")
         write_lesson(chosen, output, None if scene is None else cameras.one(hsr.load(scene)))
     cli.say(f"wrote {output}")

@@ -7,8 +7,6 @@ from itertools import product
 from pathlib import Path
 from typing import Annotated, Any
 
-from typer import Argument
-
 import hsr
 from hsr.cli import common as cli
 from hsr.cli.cameras import Cameras, with_cameras
@@ -16,7 +14,7 @@ from hsr.cli.cameras import Cameras, with_cameras
 
 @with_cameras
 def render(
-    scene: Annotated[Path, Argument(help="Scene (TOML, JSON) or mesh file.")],
+    scene: cli.SceneFile,
     method: cli.Methods = None,
     size: cli.Size = "512x512",
     output: Annotated[Path | None, cli.output("Write the map, .npz.", ".npz")] = None,
@@ -90,21 +88,18 @@ def _summary(answer: hsr.VisibilityMap) -> dict[str, Any]:
 def _cells(row: dict[str, Any]) -> tuple[str, ...]:
     share = f"{row['covered'] / (row['size'][0] * row['size'][1]):.1%}"
     nearest = "-" if row["nearest"] is None else f"{row['nearest']:.6g}"
-    return (row["method"], share, f"{row['faces_seen']:,}", nearest, cli.milliseconds(row["seconds"]))
+    seen = (share, f"{row['faces_seen']:,}", nearest, cli.milliseconds(row["seconds"]))
+    return (row["camera"], row["method"], *seen)
 
 
 def _print(rows: list[dict[str, Any]], verbose: bool) -> None:
     """Print one row a map, and what was written."""
-    head: tuple[str, ...] = ("method", "covered", "faces seen", "nearest", "render")
-    cells = list(map(_cells, rows))
-    if len({row["camera"] for row in rows}) > 1:
-        head, cells = (
-            ("camera", *head),
-            [(row["camera"], *texts) for row, texts in zip(rows, cells, strict=True)],
-        )
-    cli.print_table(head, cells, right=head[-4:], least=("nearest", "faces seen"))
+    head = ("camera", "method", "covered", "faces seen", "nearest", "render")
+    told = slice(0 if len({row["camera"] for row in rows}) > 1 else 1, None)
+    cells = [_cells(row)[told] for row in rows]
+    cli.print_table(head[told], cells, right=head[2:], least=("nearest", "faces seen"))
     for row in rows:
         work = ", ".join(f"{name} {count:,}" for name, count in row["work"].items())
-        told = [f"{row['method']}: {work}"] if verbose else []
-        told += [f"nothing is seen by {row['camera']}: {row['nothing']}"] if row["nothing"] else []
-        cli.say(*told, *(f"wrote {file}" for file in row["files"]))
+        lines = [f"{row['method']}: {work}"] if verbose else []
+        lines += [f"nothing is seen by {row['camera']}: {row['nothing']}"] if row["nothing"] else []
+        cli.say(*lines, *(f"wrote {file}" for file in row["files"]))

@@ -14,7 +14,6 @@ from hsr.base.errors import SceneError
 from hsr.base.files import write_whole
 from hsr.cli import common as cli
 
-Files = Annotated[list[Path], Argument(help="Scene or mesh files.")]
 SchemaFile = Annotated[Path | None, Argument(help="File to write; standard output by default.")]
 
 scene_app = Typer(help="Check and describe scene files.", no_args_is_help=True)
@@ -46,7 +45,7 @@ def init(mesh: cli.SceneFile, output: cli.SceneOutput = None) -> None:
 
 
 @scene_app.command()
-def check(files: Files, as_json: cli.Json = False, quiet: cli.Quiet = False) -> None:
+def check(files: cli.SceneFiles, as_json: cli.Json = False, quiet: cli.Quiet = False) -> None:
     """Check scene files; all errors of all files at once, exit 2 if there are any.
 
     For example:

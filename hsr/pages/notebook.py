@@ -8,7 +8,8 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from hsr.problem.view import Scene, load
+from hsr.lab.named import load
+from hsr.problem.view import Scene
 
 __all__ = ["Report", "Scene", "load", "report"]
 

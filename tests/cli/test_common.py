@@ -78,6 +78,10 @@ def test_no_number_is_cut_at_any_width(printed: Any, width: int) -> None:
             "s.obj: what is written ends in",
         ),
         (("compare", "cube", "-o", "nowhere/r.html"), "nowhere/r.html: there is no folder nowhere"),
+        (("gallery", "cube", "-o", "g.html"), "g.html: what is written is a folder; say g"),
+        (("lesson", "--all", "-o", "l.HTML"), "l.HTML: what is written is a folder; say l"),
+        (("stability", "fan", "-o", "s.json"), "s.json: what is written is a folder; say s"),
+        (("bench", "cube", "-o", "b.csv"), "b.csv: what is written is a folder; say b"),
     ],
 )
 def test_what_cannot_be_written_is_refused_before_any_work(
@@ -89,8 +93,14 @@ def test_what_cannot_be_written_is_refused_before_any_work(
 
 
 def test_endings_may_be_written_in_capitals(tmp_path: Path) -> None:
-    common.check_file(tmp_path / "A.HTML", ".html")
+    common.check_output(tmp_path / "A.HTML", ".html")
 
 
-def test_the_shell_completes_methods() -> None:
+def test_a_folder_may_be_called_what_files_are_not(tmp_path: Path) -> None:
+    common.check_output(tmp_path / "run.v2")
+    common.check_output(tmp_path)
+
+
+def test_the_shell_completes_methods_and_scenes() -> None:
     assert common.method_completion("zb") == ["zbuffer", "zbuffer-plain"]
+    assert common.scene_completion("te") == ["teapot", "terrain"] and common.scene_completion("./te") == []
