@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from hsr.base.arrays import Array
-from hsr.difference.history import Said
+from hsr.difference.telling import Said
 
 LEVEL = 9
 """Of deflate: a page is written once and kept."""

@@ -12,8 +12,9 @@ from hsr.base.arrays import Ints
 from hsr.base.errors import MapError, ViewError
 from hsr.difference.cause import Causes, causes
 from hsr.difference.classes import OTHER_OWNER, Difference, SampleClass
-from hsr.difference.history import Historian, History, Said
+from hsr.difference.history import Historian, History
 from hsr.difference.study import Study
+from hsr.difference.telling import Said
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View
 

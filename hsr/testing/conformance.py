@@ -189,11 +189,11 @@ def _deep_enough(row: Method, answer: VisibilityMap, truth: VisibilityMap) -> Bo
 
 
 def _wrong(answer: VisibilityMap, truth: VisibilityMap, fine: Bools) -> Iterator[str]:
-    for row, column in np.argwhere(~fine):
-        shown, true = (map.name_of(int(map.face[row, column])) for map in (answer, truth))
-        yield f"sample (row {row}, column {column}) shows {shown}, the truth is {true}"
+    for y, x in np.argwhere(~fine):
+        shown, true = (map.name_of(int(map.face[y, x])) for map in (answer, truth))
+        yield f"sample {x},{y} shows {shown}, the truth is {true}"
 
 
 def _samples(fine: Bools, what: str) -> Iterator[str]:
     """Yield for each sample that is not fine what it shows."""
-    return (f"sample (row {row}, column {column}) shows {what}" for row, column in np.argwhere(~fine))
+    return (f"sample {x},{y} shows {what}" for y, x in np.argwhere(~fine))

@@ -118,10 +118,10 @@ def _faces(number: Array, covered: Array, view: View | None, method: str) -> Int
 def _refuse(wrong: Array, values: Array, method: str, why: str) -> None:
     """Raise if any sample is wrong, naming the first."""
     if wrong.any():
-        row, column = np.argwhere(wrong)[0]
+        y, x = np.argwhere(wrong)[0]
         others = int(np.count_nonzero(wrong)) - 1
         more = f" and {others} more" if others else ""
-        raise MapError(f"{method}: id {values[row, column]} at row {row}, column {column}{more} {why}")
+        raise MapError(f"{method}: id {values[y, x]} at {x},{y}{more} {why}")
 
 
 def _numbers(colours: Array) -> Array:

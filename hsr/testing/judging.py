@@ -264,18 +264,14 @@ def judge(
     if limits.made_by and not has_model(shown):
         shown = modelled(shown, **limits.made_by)
     difference = compare(shown, expected)
-    truth = _truth(expected, subject)
+    truth = expected if expected.admissible is not None or subject is None else subject.truth
     other = shown.face != expected.face
-    tied = np.zeros_like(other)
-    if truth is not None:
-        tied = other & truth.admits(shown.face) & truth.admits(expected.face)
-    apart = other & ~tied
-    why = None
-    if subject is not None and truth is not None and apart.any():
+    tied = other & truth.admits(shown.face) & truth.admits(expected.face)
+    apart, why = other & ~tied, None
+    if subject is not None and apart.any():
         shown, why = explained(subject.view, shown, truth)
         difference = replace(difference, a=shown)
-    wrong = apart if truth is None else apart & ~truth.admits(shown.face)
-    masks = _masks(difference, apart, wrong, why)
+    masks = _masks(difference, apart, apart & ~truth.admits(shown.face), why)
     counted = apart & ~np.any([mask for label, mask in masks.items() if label in limits.allow], axis=0)
     groups = [_group(label, mask, difference, limits, subject) for label, mask in masks.items()]
     groups.sort(key=lambda group: (group.allowed, -group.count))
@@ -285,12 +281,6 @@ def judge(
 
 
 # ---------------------------------------------------------------- what differs, and why
-
-
-def _truth(expected: VisibilityMap, subject: Subject | None) -> VisibilityMap | None:
-    if expected.admissible is not None:
-        return expected
-    return None if subject is None else subject.truth
 
 
 def _masks(difference: Difference, apart: Bools, wrong: Bools, why: Causes | None) -> dict[str, Bools]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -26,16 +26,27 @@ MADE_BY = (MODEL, *PARAMETERS)
 NAMES = (*COUNTS, "depth_ulps", "allow", *MADE_BY)
 """All limits, and what else a check goes by."""
 
-NUMBERS: dict[str, tuple[Any, str]] = {
-    "max_diff_pixels": (int, "a whole number from 0"),
-    "max_cluster": (int, "a whole number from 0"),
-    "depth_ulps": (int | float, "a number from 0"),
-    "max_diff_ratio": (int | float, "a number from 0 to 1"),
-}
-"""Which numbers a limit may be."""
+Holds = Callable[[Any], bool]
 
-PAIRS = {"max_in_window": "(side, most), such as (8, 3)", "expect_diff": "(low, high), such as (10, 20)"}
-"""Which pairs of whole numbers a limit may be."""
+
+def _number(kind: Any) -> Holds:
+    return lambda value: isinstance(value, kind) and not isinstance(value, bool) and value >= 0
+
+
+def _pair(holds: Callable[[int, int], bool]) -> Holds:
+    """Tell whether a value is a pair of whole numbers of which this holds."""
+    return lambda value: isinstance(value, tuple) and [*map(type, value)] == [int, int] and holds(*value)
+
+
+EXPECTED: dict[str, tuple[Holds, str]] = {
+    "max_diff_pixels": (_number(int), "a whole number from 0"),
+    "max_cluster": (_number(int), "a whole number from 0"),
+    "depth_ulps": (_number(int | float), "a number from 0"),
+    "max_diff_ratio": (_number(int | float), "a number from 0 to 1"),
+    "max_in_window": (_pair(lambda side, most: side >= 1 and most >= 0), "(side, most), such as (8, 3)"),
+    "expect_diff": (_pair(lambda low, high: 0 <= low <= high), "(low, high), such as (10, 20)"),
+}
+"""What a limit may be that is set."""
 
 
 @dataclass(frozen=True)
@@ -86,14 +97,9 @@ class Limits:
     origin: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for name, (kind, expected) in NUMBERS.items():
+        for name, (holds, expected) in EXPECTED.items():
             value = getattr(self, name)
-            number = isinstance(value, kind) and not isinstance(value, bool)
-            if value is not None and not (number and value >= 0):
-                raise CheckError(f"{name}={value!r}{self._by(name)}: expected {expected}")
-        for name, expected in PAIRS.items():
-            value = getattr(self, name)
-            if value is not None and not _is_pair(value, ordered=name == "expect_diff"):
+            if value is not None and not holds(value):
                 raise CheckError(f"{name}={value!r}{self._by(name)}: expected {expected}")
         if self.model is None and any(getattr(self, name) is not None for name in PARAMETERS):
             raise CheckError(f"{', '.join(PARAMETERS)} belong to a model: name it, such as model='float32'")
@@ -119,13 +125,6 @@ class Limits:
     def told(self, name: str) -> str:
         """Return a limit with who set it: ``max_cluster=4 (marker)``."""
         return f"{name}={getattr(self, name)} ({self.origin.get(name, 'default')})"
-
-
-def _is_pair(value: Any, ordered: bool) -> bool:
-    """Tell whether it is a pair of whole numbers from 0: ordered, or the first of them at least 1."""
-    if not isinstance(value, tuple) or [type(one) for one in value] != [int, int]:
-        return False
-    return bool(0 <= value[0] <= value[1] if ordered else value[0] >= 1 and value[1] >= 0)
 
 
 def merged(sources: Iterable[tuple[str, Mapping[str, Any]]]) -> Limits:

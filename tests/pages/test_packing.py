@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from hsr.difference.history import Said, say
+from hsr.difference.telling import Said, say
 from hsr.pages.packing import pack, pack_json, pack_told
 from tests.pages.unpacking import unpack, unpack_json, unpack_told
 

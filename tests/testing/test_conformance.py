@@ -81,7 +81,7 @@ def test_a_right_method_passes(monkeypatch: pytest.MonkeyPatch) -> None:
     [
         (
             lost,
-            r"hides its own back \(12x9\): sample \(row \d+, column \d+\) shows background, the truth is box",
+            r"hides its own back \(12x9\): sample \d+,\d+ shows background, the truth is box",
         ),
         (lambda face, depth: (face, depth + 1.0 * (face >= 0)), "another depth than that of the face"),
         (lambda face, depth: (face, np.where(face < 0, 9.0, depth)), r"a background that is not at \+inf"),

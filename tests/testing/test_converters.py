@@ -55,7 +55,7 @@ def test_geometries_begin_where_they_are_said_to() -> None:
     ids = np.array([[0, 1, 0xFFFFFFFF]], np.uint32)
     geometry = np.array([[0, 1, 0xFFFFFFFF]], np.uint32)
     assert from_open3d(ids, geometry_ids=geometry, starts=(0, 10)).face.tolist() == [[0, 11, -1]]
-    with pytest.raises(MapError, match="id 1 at row 0, column 1 is a geometry without a start"):
+    with pytest.raises(MapError, match="id 1 at 1,0 is a geometry without a start"):
         from_open3d(ids, geometry_ids=geometry)
 
 
@@ -106,19 +106,19 @@ def test_objects_that_may_own_a_tie_are_named_once(boxes: View) -> None:
 @pytest.mark.parametrize(
     ("convert", "complaint"),
     [
-        (lambda _: from_ids(np.array([[0.5]])), "id 0.5 at row 0, column 0 is no whole number"),
-        (lambda _: from_ids(np.array([[np.nan, 1.0]])), "id nan at row 0, column 0 is no whole number"),
+        (lambda _: from_ids(np.array([[0.5]])), "id 0.5 at 0,0 is no whole number"),
+        (lambda _: from_ids(np.array([[np.nan, 1.0]])), "id nan at 0,0 is no whole number"),
         (
             lambda _: from_ids(np.array([[0xFFFFFFFF]], np.uint32)),
-            "id 4294967295 at row 0, column 0 is no triangle",
+            "id 4294967295 at 0,0 is no triangle",
         ),
-        (lambda _: from_ids(np.array([[-2]])), "id -2 at row 0, column 0 is no triangle"),
+        (lambda _: from_ids(np.array([[-2]])), "id -2 at 0,0 is no triangle"),
         (lambda _: from_ids(np.zeros(3)), r"ids must be an \(H, W\) array, not \(3,\)"),
         (lambda _: from_ids(FACE, depth=np.zeros((1, 1))), r"depth \(1, 1\) has not the shape"),
         (lambda view: from_ids(FACE, view), "3x2 is not the size of the view, 32x24"),
         (
             lambda view: from_ids(np.full((24, 32), 24), view),
-            "id 24 at row 0, column 0 and 767 more is no triangle",
+            "id 24 at 0,0 and 767 more is no triangle",
         ),
         (lambda _: from_nvdiffrast(np.zeros((2, 3))), "rast must be"),
         (lambda _: from_nvdiffrast(np.full((1, 1, 4), 2.0**25)), "beyond 2\\^24"),
