@@ -15,7 +15,7 @@ import numpy as np
 
 from hsr.algorithms import scanline
 from hsr.algorithms.backface import PAINT
-from hsr.base.arrays import Floats, Ints
+from hsr.base.arrays import Floats, Ints, ranges
 from hsr.kernels.depth_buffer import ALWAYS
 from hsr.kernels.projection import clip_rows, to_clip
 from hsr.problem.map import Clock, VisibilityMap
@@ -71,7 +71,6 @@ def back_to_front(clip: Floats, polygons: Polygons) -> Ints:
 
 def _in_order(polygons: Polygons, order: Ints) -> Polygons:
     """Return the same polygons in another order."""
-    sides = np.diff(polygons.start)[order]
-    start = np.concatenate([[0], np.cumsum(sides)]).astype(np.int32)
-    place = np.arange(start[-1]) + np.repeat(polygons.start[:-1][order] - start[:-1], sides)
+    which, place = ranges(polygons.start[:-1][order], polygons.start[1:][order])
+    start = np.searchsorted(which, np.arange(len(order) + 1)).astype(np.int32)
     return Polygons(polygons.vertices, polygons.corner[place], start, polygons.face[order])

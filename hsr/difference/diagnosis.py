@@ -16,8 +16,7 @@ from hsr.algorithms import exact
 from hsr.base.arrays import Bools, Ints
 from hsr.base.errors import MapError
 from hsr.difference.cause import explained
-from hsr.mistakes.misread import MISREAD, drawn
-from hsr.mistakes.planted import MISTAKES, planted
+from hsr.mistakes.planted import MISREAD, MISTAKES, drawn, planted
 from hsr.models.stages import Cause
 from hsr.problem.map import BACKGROUND, VisibilityMap
 from hsr.problem.view import View

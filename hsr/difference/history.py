@@ -310,12 +310,11 @@ class Historian:
         owners = {face: self.name(face) for face in sorted(seen.admissible)}
         deep = partial(window_depth, self.view)
         entries = (Entry(self.name(x.face), x, deep(x.depth), verdicts) for x in seen.layers)
-        flat = partial(self._tessellated, sample)
-        stories = tuple(telling.story(self.cause(sample, telling.answer), flat) for telling in told)
-        return History(*divmod(sample, size[0]), size, self.name(seen.owner), owners, tuple(entries), stories)
-
-    def _tessellated(self, sample: int) -> Sightline:
-        return self.tessellated[sample]
+        stories = (
+            one.story(self.cause(sample, one.answer), lambda: self.tessellated[sample]) for one in told
+        )
+        parts = self.name(seen.owner), owners, tuple(entries), tuple(stories)
+        return History(*divmod(sample, size[0]), size, *parts)
 
     @cached_property
     def tessellated(self) -> dict[int, Sightline]:

@@ -10,10 +10,13 @@ from itertools import groupby
 from textwrap import dedent
 from typing import Any
 
-from hsr.lessons.interpret import python_of
-
 GAP = "…"
 """Stands for lines that have not run."""
+
+
+def python_of(kernel: Callable[..., Any]) -> Callable[..., Any]:
+    """Return the Python function of a kernel, compiled or not."""
+    return getattr(kernel, "py_func", kernel)
 
 
 @dataclass(frozen=True)

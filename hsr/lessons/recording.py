@@ -14,14 +14,16 @@ from types import FrameType
 from typing import Any, NamedTuple
 
 import numpy as np
+from numba.core.dispatcher import Dispatcher
 
 from hsr.algorithms.registry import Method
 from hsr.base.errors import MethodError
-from hsr.lessons.interpret import interpreted, python_of
-from hsr.lessons.listing import Listing, Source, begins, listing_of, source_of
+from hsr.lessons.listing import Listing, Source, begins, listing_of, python_of, source_of
 from hsr.lessons.probes import Buffers, Look, Names, Probe
 from hsr.problem.map import BACKGROUND, VisibilityMap
 from hsr.problem.view import View
+
+KERNELS = "hsr.kernels."
 
 MOST_STEPS = 60_000
 """Lines that a recording may run: on a page about half a megabyte."""
@@ -113,6 +115,29 @@ def record(view: View, method: Method, probe: Probe, **options: Any) -> Recordin
     with interpreted(), _traced(recorder.enter):
         answer = method.render(view, **options)
     return recorder.recording(answer)
+
+
+@contextmanager
+def interpreted() -> Iterator[None]:
+    """Let the kernels, and whoever calls them, have the Python functions instead of the compiled ones.
+
+    The names change in every module that has them, and only until the end of the ``with`` block. Keys of
+    depth buffers are unsigned and wrap around on purpose, of which NumPy would warn.
+    """
+    compiled = [
+        (vars(module), name, value)
+        for module in list(sys.modules.values())
+        for name, value in vars(module).items()
+        if isinstance(value, Dispatcher) and value.py_func.__module__.startswith(KERNELS)
+    ]
+    try:
+        for names, name, kernel in compiled:
+            names[name] = kernel.py_func
+        with np.errstate(over="ignore"):
+            yield
+    finally:
+        for names, name, kernel in compiled:
+            names[name] = kernel
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from typing import cast
 
 import numpy as np
 
-from hsr.base.arrays import Array, Floats, Ints
+from hsr.base.arrays import Array, Floats, Ints, ranges
 from hsr.problem.view import Placement, View
 from hsr.scene.shapes import Polygons
 
@@ -86,11 +86,9 @@ def sides(start: Array, chosen: Array) -> tuple[Array, Array, Array]:
     polygon : (n,) int64
         Place of its polygon in ``chosen``.
     """
-    count = start[chosen + 1] - start[chosen]
-    polygon = np.repeat(np.arange(len(chosen)), count)
-    side = np.arange(len(polygon)) - (np.cumsum(count) - count)[polygon]
-    first = start[chosen][polygon]
-    return first + side, first + (side + 1) % count[polygon], polygon
+    polygon, place = ranges(start[chosen], start[chosen + 1])
+    first, end = start[chosen][polygon], start[chosen + 1][polygon]
+    return place, np.where(place + 1 < end, place + 1, first), polygon
 
 
 # ---------------------------------------------------------------- curved faces

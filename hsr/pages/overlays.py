@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hsr.base.arrays import Array, Ints, Pixels
+from hsr.base.arrays import Array, Ints, Pixels, ranges
 from hsr.kernels.clipping import clip_polygons, view_volume
 from hsr.kernels.projection import clip_rows, to_clip, to_screen
 from hsr.pages.outlines import sides
@@ -70,10 +70,8 @@ class Drawn:
         width, height = self.size
         (x0, y0), (x1, y1) = self.tail[edges].T, self.head[edges].T
         opens = np.where(y1 > y0, 1.0, -1.0) * np.sign(self.area[self.polygon[edges]])
-        first = np.ceil(np.clip(np.minimum(y0, y1) - 0.5, 0, height)).astype(np.int64)
-        lines = np.ceil(np.clip(np.maximum(y0, y1) - 0.5, 0, height)).astype(np.int64) - first
-        edge = np.repeat(np.arange(len(edges)), lines)
-        row = np.arange(len(edge)) - np.repeat(np.cumsum(lines) - lines, lines) + first[edge]
+        lower, upper = np.minimum(y0, y1), np.maximum(y0, y1)
+        edge, row = ranges(*(np.ceil(np.clip(y - 0.5, 0, height)).astype(np.int64) for y in (lower, upper)))
         x = x0[edge] + (row + 0.5 - y0[edge]) * (x1 - x0)[edge] / (y1 - y0)[edge]
         column = np.ceil(np.clip(x - 0.5, 0, width)).astype(np.int64)
         return np.bincount(row * (width + 1) + column, opens[edge], height * (width + 1))

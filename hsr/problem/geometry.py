@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from hsr.base.arrays import Array, Floats, Ints
+from hsr.base.arrays import Array, Floats, Ints, ranges
 from hsr.base.errors import MethodError, ViewError
 from hsr.base.files import digest_of
 from hsr.scene.files import shape_of
@@ -227,11 +227,9 @@ def _in_world(placement: Placement) -> WorldPolygons:
 
 def reversed_loops(polygons: Polygons) -> Ints:
     """Corners of every polygon in opposite order, the first corner kept first."""
-    start, end = polygons.start[:-1], polygons.start[1:]
-    sides = end - start
-    place = np.arange(len(polygons.corner)) - np.repeat(start, sides)
-    mirrored = np.where(place == 0, 0, np.repeat(sides, sides) - place)
-    return polygons.corner[np.repeat(start, sides) + mirrored]
+    which, place = ranges(polygons.start[:-1], polygons.start[1:])
+    first, end = polygons.start[which], polygons.start[which + 1]
+    return polygons.corner[np.where(place == first, first, first + end - place)]
 
 
 def _join(parts: list[WorldPolygons]) -> WorldPolygons:

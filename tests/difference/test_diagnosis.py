@@ -12,8 +12,7 @@ import pytest
 import hsr
 from hsr.base.arrays import Ints
 from hsr.base.errors import MapError, UnavailableError
-from hsr.mistakes.misread import MISREAD
-from hsr.mistakes.planted import MISTAKES
+from hsr.mistakes.planted import MISREAD, MISTAKES
 from hsr.testing import from_ids, modelled
 from tests.conftest import SCENES
 from tests.difference.planted import soup

@@ -13,10 +13,10 @@ from hsr.algorithms.registry import method_named
 from hsr.base.errors import MethodError
 from hsr.kernels import rays, scanline
 from hsr.lessons import recording
-from hsr.lessons.interpret import interpreted, python_of
 from hsr.lessons.lesson import asked, record_by, view_of
+from hsr.lessons.listing import python_of
 from hsr.lessons.probes import Look
-from hsr.lessons.recording import Recording, record
+from hsr.lessons.recording import Recording, interpreted, record
 from hsr.lessons.topics import Track, topics
 from hsr.problem.map import VisibilityMap
 

@@ -29,17 +29,7 @@ from hsr.kernels.raytiles import casting
 from hsr.kernels.raytiles.casting import MEMBER, NO_QUADRIC, SHARE
 from hsr.kernels.zbuffer import fill
 from hsr.kernels.zbuffer.fill import CELL, COLUMNS, LINES
-from hsr.kernels.zbuffer.setup import (
-    CLUSTER,
-    ERROR,
-    LANES,
-    PRECISE,
-    SIDE_BY_SIDE,
-    SMALL,
-    Eye,
-    U,
-    eye_between,
-)
+from hsr.kernels.zbuffer.setup import CLUSTER, ERROR, LANES, PRECISE, SIDE_BY_SIDE, SMALL, Eye, U, eye_between
 from hsr.kernels.zbuffer.tiles import deal
 from hsr.problem.geometry import Geometry, Placement, reversed_loops
 from hsr.problem.map import Clock, VisibilityMap

@@ -10,8 +10,7 @@ from typing import Any, NamedTuple
 
 from hsr.base.arrays import Array, Ints
 from hsr.base.errors import MethodError
-from hsr.lessons.interpret import python_of
-from hsr.lessons.listing import begins, source_of
+from hsr.lessons.listing import begins, python_of, source_of
 from hsr.problem.map import BACKGROUND
 
 Function = Callable[..., Any]

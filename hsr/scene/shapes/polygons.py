@@ -9,7 +9,7 @@ from itertools import chain
 
 import numpy as np
 
-from hsr.base.arrays import Array, Floats, Ints
+from hsr.base.arrays import Array, Floats, Ints, ranges
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,9 +60,8 @@ class Polygons:
 
     def part(self, chosen: Array) -> Polygons:
         """Return some of the polygons, by their numbers (n,), with only the vertices they use."""
-        sides = np.diff(self.start)[chosen]
-        start = np.cumsum([0, *sides])
-        place = np.arange(start[-1]) + np.repeat(self.start[chosen] - start[:-1], sides)
+        which, place = ranges(self.start[:-1][chosen], self.start[1:][chosen])
+        start = np.searchsorted(which, np.arange(len(chosen) + 1))
         used, corner = np.unique(self.corner[place], return_inverse=True)
         vertices = self.vertices[used].astype(np.float64)
         return Polygons(vertices, corner.astype(np.int32), start.astype(np.int32), self.face[chosen])

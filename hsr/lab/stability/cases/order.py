@@ -7,14 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from hsr.lab.stability.building import loose, parallel, quads, scene_of
-from hsr.lab.stability.family import (
-    Variant,
-    also,
-    another_choice,
-    hard_case,
-    octaves,
-    variants,
-)
+from hsr.lab.stability.family import Variant, also, another_choice, hard_case, octaves, variants
 from hsr.scene.model import Scene
 
 

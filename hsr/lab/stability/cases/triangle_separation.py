@@ -78,9 +78,7 @@ def snapping(bits: int, depth_bits: int) -> Variant:
 
 
 @hard_case(
-    "depth",
-    "separation, in units of the least one for D24 with 8 sub-pixel bits",
-    octaves(6, -9, 0.5),
+    "depth", "separation, in units of the least one for D24 with 8 sub-pixel bits", octaves(6, -9, 0.5)
 )
 @also(wrong=swapped, marked={"S_min of D24 with 8 bits": 1.0})
 @also(figure=failure_rate, figure_name="part of the samples that show the farther one")
