@@ -23,6 +23,7 @@ import pdoc.doc
 import pdoc.render
 
 import hsr
+from hsr.pages.frame import siblings
 
 HERE = Path(__file__).parent
 README = HERE.parent / "README.md"
@@ -36,8 +37,17 @@ def shown() -> dict[str, pdoc.doc.Module]:
     linked = re.findall(r"\]\(hsr/([\w/]+?)(?:/__init__)?\.py\)", README.read_text(encoding="utf-8"))
     names = {"hsr", *rooms, *(f"hsr.{path.replace('/', '.')}" for path in linked)}
     modules = {name: pdoc.doc.Module(importlib.import_module(name)) for name in sorted(names)}
+    for module in modules.values():
+        module.obj.__doc__ = listed(module.obj.__doc__ or "")
     vars(hsr).update({name: getattr(hsr, name) for name in hsr.__all__})
     return modules
+
+
+def listed(text: str) -> str:
+    """Make the glossary of a docstring a list of terms."""
+    before, heading, terms = text.partition("Glossary\n--------\n")
+    told = re.sub(r"^(\S.*)\n +", r"- **\1**: ", terms, flags=re.MULTILINE)
+    return f"{before}## Glossary\n\n{told}" if heading else text
 
 
 def write(folder: Path) -> Path:
@@ -46,6 +56,7 @@ def write(folder: Path) -> Path:
     pdoc.render.configure(docformat="numpy", show_source=False, template_directory=HERE / "templates")
     front = ModuleType("index", (HERE / "index.md").read_text(encoding="utf-8"))
     pdoc.render.env.globals["front"] = pdoc.doc.Module(front)
+    pdoc.render.env.globals["siblings"] = siblings(folder.resolve() / "index.html")
     modules = shown()
     pages = {"index.html": pdoc.render.html_index(modules), "search.js": pdoc.render.search_index(modules)}
     for name, module in modules.items():

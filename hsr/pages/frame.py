@@ -22,6 +22,7 @@ PAGES = {
     "Scenes": "gallery/index.html",
     "Lessons": "lessons/index.html",
     "Stability": "stability/index.html",
+    "API": "api/index.html",
 }
 """The project's pages, by where they lie in a folder of reports."""
 
@@ -35,6 +36,7 @@ def page(
     images: str = "data:",
     drawings: bool = False,
     filters: Mapping[str, Callable[..., Any]] | None = None,
+    beside: Mapping[str, str] | None = None,
     **shown: Any,
 ) -> str:
     """Return a page as HTML that needs no network.
@@ -55,6 +57,8 @@ def page(
         Whether it holds SVG, whose parts carry styles of their own.
     filters : mapping of str to callable, optional
         What its template writes numbers and the like by.
+    beside : mapping of str to str, optional
+        What else it leads to, and where that lies.
     **shown
         What is put into the template; it is escaped.
     """
@@ -67,19 +71,18 @@ def page(
     code = " ".join(map(_hash, texts)) or "'none'"
     policy = f"default-src 'none'; img-src {images}; style-src {styles}; script-src {code}"
     template = environment.get_template(f"{name}.html")
-    around = {
-        "siblings": _siblings(Path(path).absolute().parent) if path else {},
-        "here": path and Path(path).name,
-    }
+    led = (siblings(Path(path).absolute()) if path else {}) | dict(beside or {})
+    around = {"siblings": led, "here": path and Path(path).name}
     return template.render(title=title, style=sheet, scripts=texts, policy=policy, **around, **shown)
 
 
-def _siblings(folder: Path) -> dict[str, str]:
-    """Find the project's pages in the reports that a folder is part of, as its pages lead to them."""
-    for root in (folder, folder.parent):
-        found = {name: root / place for name, place in PAGES.items() if (root / place).is_file()}
-        if found:
-            return {name: Path(os.path.relpath(file, folder)).as_posix() for name, file in found.items()}
+def siblings(path: Path) -> dict[str, str]:
+    """Find the project's pages among which a page lies, itself too, and where they lie from it."""
+    for root in (path.parent, path.parent.parent):
+        found = {name: root / place for name, place in PAGES.items()}
+        found = {name: file for name, file in found.items() if file == path or file.is_file()}
+        if {*found.values()} - {path}:
+            return {name: Path(os.path.relpath(file, path.parent)).as_posix() for name, file in found.items()}
     return {}
 
 

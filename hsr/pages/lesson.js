@@ -57,7 +57,7 @@
       this.cursor.setAttribute("visibility", sample < 0 ? "hidden" : "visible");
       this.cursor.setAttribute("x", (sample % this.width) * CELL);
       this.cursor.setAttribute("y", Math.floor(sample / this.width) * CELL);
-      const where = sample < 0 ? "" : `; at row ${Math.floor(sample / this.width)}, column ${sample % this.width}: ${this.cells[sample].children[1].textContent || "nothing"}`;
+      const where = sample < 0 ? "" : `; at column ${sample % this.width}, row ${Math.floor(sample / this.width)}: ${this.cells[sample].children[1].textContent || "nothing"}`;
       this.svg.setAttribute("aria-label", this.label + where);
     }
   }
@@ -326,7 +326,7 @@
     $("lines").replaceChildren(...panels[0].data.listing.map(sourceLine));
     $("scrub").max = last();
     $("track").value = number;
-    for (const [name, most] of [["row", track().height - 1], ["column", track().width - 1]]) $("jump").elements[name].max = most;
+    for (const [name, most] of [["column", track().width - 1], ["row", track().height - 1]]) $("jump").elements[name].max = most;
   }
 
   function openScreen(number) {
@@ -395,7 +395,7 @@
     PageDown: () => openScreen(state.screen + 1),
     PageUp: () => openScreen(state.screen - 1),
     t: () => changeTrack((state.track + 1) % lesson.tracks.length),
-    g: () => $("jump").elements.row.select(),
+    g: () => $("jump").elements.column.select(),
     l: () => {
       const wide = document.querySelector("main").classList.toggle("wide");
       $("hide").setAttribute("aria-pressed", wide);
@@ -418,7 +418,7 @@
   $("track").addEventListener("change", () => changeTrack(Number($("track").value)));
   $("jump").addEventListener("submit", (event) => {
     event.preventDefault();
-    const { row, column } = event.target.elements;
+    const { column, row } = event.target.elements;
     toSample(Number(row.value) * track().width + Number(column.value));
     document.activeElement.blur();
   });

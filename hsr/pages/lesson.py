@@ -27,8 +27,12 @@ def write_lesson(topic: Topic, path: str | Path, scene: Scene | None = None) -> 
     HsrError
         If the scene is too large to be recorded, or the file cannot be written.
     """
+    _write(topic, path, scene, {})
+
+
+def _write(topic: Topic, path: str | Path, scene: Scene | None, beside: Mapping[str, str]) -> None:
     told: dict[str, Any] = {"lead": topic.lead, "recording": pack_json(lesson_of(topic, scene))}
-    text = page("lesson", path, topic.title, style("lesson.css"), ["lesson.js"], **told)
+    text = page("lesson", path, topic.title, style("lesson.css"), ["lesson.js"], beside=beside, **told)
     write_whole(path, text, "the lesson")
 
 
@@ -47,8 +51,8 @@ def write_course(course: Mapping[str, Topic], folder: str | Path) -> None:
     HsrError
         If a file cannot be written.
     """
-    for name, topic in course.items():
-        write_lesson(topic, Path(folder, f"{name}.html"))
     path = Path(folder, "index.html")
     title = "Which surface does the eye see? A course"
     write_whole(path, page("course", path, title, style("course.css"), course=course), "the list of lessons")
+    for name, topic in course.items():
+        _write(topic, Path(folder, f"{name}.html"), None, {"Lessons": "index.html"})

@@ -165,9 +165,9 @@ def test_speed_larger_help_and_jump_keys(open_lesson: Any) -> None:
     tab.keyboard.press("Tab")
     tab.keyboard.type("6")
     tab.keyboard.press("Enter")
-    assert "at row 5, column 6" in tab.get_attribute(".grid", "aria-label")
+    assert "at column 5, row 6" in tab.get_attribute(".grid", "aria-label")
     tab.click(".grid g:nth-child(88)")
-    assert "at row 5, column 7" in tab.get_attribute(".grid", "aria-label")
+    assert "at column 7, row 5" in tab.get_attribute(".grid", "aria-label")
 
 
 def test_playing_stops_at_a_prediction_and_scores_it(open_lesson: Any) -> None:
