@@ -313,8 +313,8 @@ class Historian:
         stories = (
             one.story(self.cause(sample, one.answer), lambda: self.tessellated[sample]) for one in told
         )
-        parts = self.name(seen.owner), owners, tuple(entries), tuple(stories)
-        return History(*divmod(sample, size[0]), size, *parts)
+        owner, (row, column) = self.name(seen.owner), divmod(sample, size[0])
+        return History(row, column, size, owner, owners, tuple(entries), tuple(stories))
 
     @cached_property
     def tessellated(self) -> dict[int, Sightline]:
