@@ -34,7 +34,8 @@ def describe(scene: Scene, size: tuple[int, int] = (512, 512)) -> dict[str, Any]
         the extent); ``cameras``, each with ``name``, ``type``, ``near``, ``far`` (None: infinite) and
         ``fov_x``, ``fov_y`` in degrees, or ``width``, ``height`` in scene units for a parallel one;
         ``objects``, each with ``name``, ``shape``, ``copies``, ``faces`` (of one copy), ``cull``,
-        ``bounds``, ``cut`` (faces of the file cut into triangles), and ``culling``: for each camera why
+        ``bounds``, ``cut`` (faces of the file cut into triangles), ``concave`` (of those, not as fans),
+        and ``culling``: for each camera why
         removing its back faces may change the picture, empty if it changes nothing.
 
     Raises
@@ -87,6 +88,7 @@ def schema() -> dict[str, Any]:
 def _object_lines(entry: dict[str, Any]) -> Iterator[str]:
     copies = f"{entry['copies']} x " if entry["copies"] > 1 else ""
     cut = f", {_counted(entry['cut'], 'face')} of its file cut into triangles" if entry["cut"] else ""
+    cut += f" ({entry['concave']:,} concave)" if entry["concave"] else ""
     what = f"{copies}{entry['shape']}, {_counted(entry['faces'], 'face')}, cull {entry['cull']}"
     yield f"object {entry['name']}: {what}{cut}"
     for why in dict.fromkeys(entry["culling"].values()):
@@ -143,6 +145,7 @@ def _object(
         "copies": len(matrices),
         "faces": shape.faces,
         "cut": shape.cut,
+        "concave": shape.concave,
         "cull": thing.cull,
         "bounds": _box(np.array([np.transpose([reach(row) for row in matrix[:3]]) for matrix in matrices])),
         "culling": {

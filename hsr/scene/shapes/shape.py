@@ -87,6 +87,8 @@ class Shape:
         triangles, each of which is a face of its own here.
     quadric : Quadric or None
         The round solid that is the shape.
+    concave : int
+        How many of those the fan about their first corner would not cover.
     """
 
     kind: Kind
@@ -95,6 +97,7 @@ class Shape:
     face_names: tuple[str, ...] = ()
     cut: int = 0
     quadric: Quadric | None = None
+    concave: int = 0
 
     @property
     def curved(self) -> bool:
