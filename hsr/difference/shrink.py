@@ -22,8 +22,8 @@ from hsr.base.errors import MethodError
 from hsr.difference.nearby import check_sample, faces_nearby
 from hsr.problem.map import BACKGROUND, name_in
 from hsr.problem.view import View, view
-from hsr.scene.gltf import unique
 from hsr.scene.model import Mesh, Object, Scene, Step
+from hsr.scene.names import unique
 from hsr.scene.transforms import copies
 
 Item = TypeVar("Item")

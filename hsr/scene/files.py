@@ -19,10 +19,13 @@ from hsr.base.arrays import Floats
 from hsr.base.errors import HsrError, SceneError, named
 from hsr.scene.camera import projection_of
 from hsr.scene.fitting import Ball, ball_around, fitted
-from hsr.scene.gltf import Document, unique
-from hsr.scene.meshes import Faces, mesh_shape, read_faces
+from hsr.scene.meshes import Faces, mesh_shape
 from hsr.scene.model import Ambient, Camera, Directional, Mesh, Object, Polyhedron, Scene, Thing
+from hsr.scene.names import printable, unique
 from hsr.scene.polyhedra import convexity_problems
+from hsr.scene.readers import read_faces
+from hsr.scene.readers.gltf import Document
+from hsr.scene.readers.source import content_of, ending_of, stem_of
 from hsr.scene.shapes import MAX_FACES, Kind, Polygons, Shape, generic
 from hsr.scene.transforms import compose, copies, placed
 from hsr.scene.validation import lines_of
@@ -47,8 +50,8 @@ def load(path: str | Path) -> Scene:
     Parameters
     ----------
     path : str or Path
-        Its ending says what it is: .toml, .json; .obj, .ply, .stl, .off, .glb, .gltf. Or the name of a
-        built-in scene: ``"teapot"``.
+        Its ending says what it is: .toml, .json; .obj, .ply, .stl, .off, .glb, .gltf, each also packed,
+        with .gz behind it. Or the name of a built-in scene: ``"teapot"``.
 
     Returns
     -------
@@ -69,7 +72,7 @@ def load(path: str | Path) -> Scene:
     path = Path(path)
     if not path.suffix and not path.exists():
         path = named(str(path), built_in(), "there is no file and no built-in scene", SceneError)
-    ending = path.suffix.lower()
+    ending = ending_of(path)
     if ending not in SCENES + MESHES:
         raise SceneError(f"{path}: not a scene or mesh file; the endings are {' '.join(SCENES + MESHES)}")
     read = _read_scene if ending in SCENES else _gltf_scene if ending in GLTF else _mesh_scene
@@ -147,10 +150,10 @@ def _read_scene(path: Path) -> Scene:
 def _parsed(path: Path) -> Any:
     try:
         # Some editors put a byte order mark before UTF-8.
-        text = path.read_text(encoding="utf-8-sig")
+        text = content_of(path).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise SceneError(f"not UTF-8 text (at byte {error.start}); save it as UTF-8") from None
-    name = path.suffix.lower().removeprefix(".").upper()
+    name = ending_of(path).removeprefix(".").upper()
     try:
         return tomllib.loads(text) if name == "TOML" else json.loads(text, object_pairs_hook=_table)
     except (ValueError, RecursionError) as error:
@@ -228,7 +231,7 @@ def _defined_shape(thing: Object) -> Shape:
         return _polyhedron(thing)
     if isinstance(thing, Mesh):
         with _prefixed("faces: "):
-            return mesh_shape(Faces.of_rows(thing.vertices, np.reshape(thing.faces or (), (-1, 3))))
+            return mesh_shape(Faces.of_loops(thing.vertices, thing.faces or ()))
     return generic(**thing.model_dump(exclude={*Thing.model_fields}))
 
 
@@ -249,9 +252,9 @@ def _version(path: Path) -> tuple[int, int]:
 @lru_cache(maxsize=128)
 def _mesh_of(path: Path, part: str | None, version: tuple[int, int]) -> Shape:
     """Read a mesh file, or one part of a glTF file."""
-    if path.suffix.lower() in GLTF:
+    if ending_of(path) in GLTF:
         return mesh_shape(_document(path, version).faces(part))
-    if path.suffix.lower() not in MESHES:
+    if ending_of(path) not in MESHES:
         raise SceneError(f"not a mesh file; the endings are {' '.join(MESHES)}")
     if part is not None:
         raise SceneError("only GLB and glTF files have parts; leave out the key 'part'")
@@ -267,7 +270,7 @@ def _document(path: Path, version: tuple[int, int]) -> Document:  # noqa: ARG001
 
 
 def _mesh_scene(path: Path) -> Scene:
-    return _scene_of([Mesh(name=path.stem[:80], shape="mesh", file=path.name)], [], path)
+    return _scene_of([Mesh(name=unique([stem_of(path)])[0], shape="mesh", file=path.name)], [], path)
 
 
 def _gltf_scene(path: Path) -> Scene:
@@ -288,7 +291,7 @@ def _scene_of(things: Sequence[Mesh], cameras: Sequence[Camera], path: Path) -> 
     if problems:
         raise SceneError([problem.partition(f"{path.name}: ")[2] or problem for problem in problems])
     lights = (Ambient(type="ambient"), Directional(type="directional", direction=(-0.4, -1.0, -0.6)))
-    scene = Scene(title=path.name, camera=tuple(cameras), object=tuple(things), light=lights)
+    scene = Scene(title=printable(path.name), camera=tuple(cameras), object=tuple(things), light=lights)
     return _with_fitted(scene.located(path.parent))
 
 

@@ -98,7 +98,6 @@ Affine = Annotated[
 Channel = Annotated[float, Field(ge=0.0, le=1.0)]
 Colour = Annotated[tuple[Channel, Channel, Channel], _exactly(3)]
 Loop = Annotated[List[int], Field(min_length=3)]
-Triangle = Annotated[tuple[int, int, int], _exactly(3, "vertex indices")]
 Pair = Annotated[tuple[float, float], _exactly(2)]
 Printable = _that(str.isprintable, "expected printable characters")
 Name = Annotated[str, Field(min_length=1, max_length=80), Printable]
@@ -369,7 +368,7 @@ class Polyhedron(Thing):
 
 
 class Mesh(Thing):
-    """Triangles: read from ``file`` (OBJ, PLY, STL, OFF, GLB), or ``vertices`` and ``faces``.
+    """Triangles and other polygons: of a ``file`` (OBJ, PLY, STL, OFF, GLB), or ``vertices`` and ``faces``.
 
     ``part`` names one geometry of a file that holds several.
     """
@@ -382,8 +381,8 @@ class Mesh(Thing):
     """One geometry of a glTF file."""
     vertices: List[Vector] | None = None
     """Corners x, y, z, in place of a file."""
-    faces: List[Triangle] | None = None
-    """Triangles: three places of corners each, counted from 0."""
+    faces: List[Loop] | None = None
+    """The corners of each face by their places, counted from 0; more than three are cut into triangles."""
 
     def _check(self) -> None:
         given = [self.file is None, self.vertices is not None, self.faces is not None]

@@ -154,7 +154,7 @@ PROBLEMS = [
     ),
     (
         scene(thing={"name": "m", "shape": "mesh", "vertices": [[0, 0, 0]], "faces": [[0, 0]]}),
-        "object[0].faces[0]: expected 3 vertex indices, got 2",
+        "object[0].faces[0]: needs at least 3, got [0, 0]",
     ),
     (
         scene(light=[{"type": "directional", "direction": [0, 0, 0]}]),

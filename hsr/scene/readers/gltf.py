@@ -13,7 +13,6 @@ import math
 import struct
 from collections.abc import Iterator, Sequence
 from io import BytesIO
-from itertools import count
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -22,8 +21,10 @@ from pydantic import ValidationError
 
 from hsr.base.arrays import Floats
 from hsr.base.errors import SceneError
-from hsr.scene.meshes import Faces, joined, reading
+from hsr.scene.meshes import Faces, joined
 from hsr.scene.model import Camera, Orthographic, Perspective, Step
+from hsr.scene.names import unique
+from hsr.scene.readers.source import reading
 from hsr.scene.transforms import compose, placed
 from hsr.scene.validation import lines_of
 
@@ -200,16 +201,6 @@ def _camera(table: dict[str, Any], name: str, steps: tuple[Step, ...]) -> Camera
 
 def _moved(faces: Faces, steps: tuple[Step, ...]) -> Faces:
     return faces._replace(vertices=placed(faces.vertices, compose(steps)[:3]))
-
-
-def unique(names: Sequence[str]) -> list[str]:
-    """Return the names with a number after those that repeat: ``wheel``, ``wheel.1``, ``wheel.2``."""
-    taken: dict[str, None] = {}
-    for name in names:
-        short = name[:70] or "unnamed"
-        numbered = (f"{short}.{k}" for k in count(1))
-        taken[short if short not in taken else next(new for new in numbered if new not in taken)] = None
-    return list(taken)
 
 
 def _steps(table: dict[str, Any]) -> tuple[Step, ...]:

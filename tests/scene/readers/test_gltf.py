@@ -16,8 +16,8 @@ import hsr
 from hsr.base.errors import SceneError
 from hsr.scene.camera import projection_of
 from hsr.scene.files import load, shape_of
-from hsr.scene.gltf import unique
 from hsr.scene.model import Mesh, Orthographic, Perspective
+from hsr.scene.names import unique
 from hsr.scene.transforms import compose
 
 TRIANGLE = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], dtype="<f4")
