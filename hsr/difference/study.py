@@ -13,7 +13,6 @@ from hsr.algorithms.ahead import Ahead
 from hsr.algorithms.registry import Method, driver_of, method_named
 from hsr.base.arrays import Array
 from hsr.base.errors import MethodError, UnavailableError
-from hsr.base.files import digest_of
 from hsr.base.jit import is_compiled
 from hsr.base.store import Store
 from hsr.difference.cause import Causes, causes, causes_by
@@ -265,8 +264,7 @@ def _causes(problem: View, answer: VisibilityMap, truth: VisibilityMap, store: S
             return causes_by(None, problem, answer, truth)
     if store is None:
         return causes(problem, answer, truth)
-    shown = digest_of([answer.face.tobytes(), answer.depth.tobytes()])
-    parts = ("causes", answer.method, problem.hashes, shown)
+    parts = ("causes", answer.method, problem.hashes, answer.digest)
     found: Causes | None = store.get(*parts)
     if found is None:
         found = causes(problem, answer, truth)

@@ -17,7 +17,7 @@ from markupsafe import Markup
 
 from hsr.algorithms.registry import methods
 from hsr.base.errors import HsrError
-from hsr.base.files import digest_of, write_whole
+from hsr.base.files import write_whole
 from hsr.base.store import Store
 from hsr.difference.classes import DIFFERENT, SampleClass
 from hsr.difference.study import Study, causes_of
@@ -105,28 +105,49 @@ def report_page(
     return _page(studies, path, title, data, pending)
 
 
-def gathered(found: Study, histories: int | None, store: Store | None) -> dict[str, Any]:
-    """Look up what the inspector shows of a study, or gather it."""
+class Gathered(NamedTuple):
+    """What a page shows of a study besides its figures.
+
+    Attributes
+    ----------
+    inspection : dict
+        By :func:`hsr.pages.inspector.inspection`.
+    picture : str
+        What the first map shows, shaded, as a data URI.
+    differing : dict of str to str
+        Where each method differs that does, as data URIs.
+    """
+
+    inspection: dict[str, Any]
+    picture: str
+    differing: dict[str, str]
+
+
+def gathered(found: Study, histories: int | None, store: Store | None) -> Gathered:
+    """Look up what a page shows of a study, or gather it."""
     if store is None:
-        return inspection(found, histories)
-    maps = [
-        (name, digest_of([map.face.tobytes(), map.depth.tobytes()]), map.notes.get("driver"))
-        for name, map in found.maps.items()
-    ]
+        return _gather(found, histories)
+    maps = [(name, map.digest, map.notes.get("driver")) for name, map in found.maps.items()]
     scene = (found.scene.model_dump_json(), found.scene.file, found.scene.cameras_of_file, found.view.hashes)
-    parts = ("inspection", found.name, found.camera, found.reference, histories, maps, scene)
-    data: dict[str, Any] | None = store.get(*parts)
+    parts = ("page", found.name, found.camera, found.reference, histories, maps, scene)
+    data: Gathered | None = store.get(*parts)
     if data is None:
-        data = inspection(found, histories)
+        data = _gather(found, histories)
         store.put(data, *parts)
     return data
+
+
+def _gather(found: Study, histories: int | None) -> Gathered:
+    picture = shade(found.maps[found.reference or next(iter(found.maps))], found.view)
+    differing = {name: data_uri(why.picture()) for name, why in found.differences.items() if not why.same}
+    return Gathered(inspection(found, histories), data_uri(picture), differing)
 
 
 def _page(
     studies: Sequence[Study],
     path: str | Path | None,
     title: str,
-    data: Sequence[dict[str, Any]],
+    data: Sequence[Gathered],
     pending: Sequence[str],
 ) -> str:
     known = dict.fromkeys(name for found in studies for name in found.causes)
@@ -140,7 +161,7 @@ def _page(
         title,
         style("inspector.css", "report.css") + Markup("".join(colours)),
         [*(["viewer.js"] if data else []), *(["reload.js"] if pending else [])],
-        filters={"figures": _figures, "milliseconds": _milliseconds, "note": _note, "uri": data_uri},
+        filters={"figures": _figures, "milliseconds": _milliseconds, "note": _note},
         studies=studies,
         pending=pending,
         methods=list(dict.fromkeys(name for found in studies for name in found.methods)),
@@ -159,10 +180,10 @@ def _page(
         flat=any(_expected(found, name) for found in studies for name in found.differences),
         fragment=fragment,
         listed=LISTED,
-        shade=shade,
+        shown=data,
         date=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         environment=_environment(studies),
-        **inspected(data),
+        **inspected([one.inspection for one in data]),
     )
 
 

@@ -8,6 +8,7 @@ from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import cached_property
 from io import BytesIO
 from operator import itemgetter
 from pathlib import Path
@@ -17,7 +18,7 @@ import numpy as np
 
 from hsr.base.arrays import Array, Bools, Floats, Ints
 from hsr.base.errors import MapError
-from hsr.base.files import write_whole
+from hsr.base.files import digest_of, write_whole
 
 BACKGROUND = -1
 """The face id of a sample that no face owns."""
@@ -116,6 +117,11 @@ class VisibilityMap:
     def tells_depth(self) -> bool:
         """Whether the map holds depths, and not faces alone."""
         return bool(self.notes.get("depth_format") != NO_DEPTH)
+
+    @cached_property
+    def digest(self) -> str:
+        """The SHA-256 of faces and depths."""
+        return digest_of([self.face.tobytes(), self.depth.tobytes()])
 
     def admits(self, face: Ints) -> Bools:
         """Tell where another map shows an owner that this one does not contradict.

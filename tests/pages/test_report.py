@@ -163,8 +163,9 @@ def test_pages_of_one_folder_lead_to_each_other(studied: Study, tmp_path: Path) 
         write_report([studied], tmp_path / name)
     page = (tmp_path / "lab.html").read_text(encoding="utf-8")
     links = re.findall(r'<a href="([^"#]*)"( aria-current="page")?>([^<]*)</a>', page)
-    assert [name for _, _, name in links] == ["Sample report", "Scenes", "Lessons"]
-    assert links[1][0] == "gallery/index.html"
+    assert [name for _, _, name in links] == ["Report", "Sample report", "Scenes", "Lessons"]
+    assert [bool(here) for _, here, _ in links] == [True, False, False, False]
+    assert links[2][0] == "gallery/index.html"
 
 
 def test_without_the_truth_there_are_no_causes(page: str) -> None:

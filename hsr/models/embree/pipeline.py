@@ -16,7 +16,7 @@ from Embree which of them it is. Whole maps would take the model too long.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
@@ -28,7 +28,7 @@ from hsr.base.arrays import Array, Ints
 from hsr.exact.oracle import owners
 from hsr.models.embree.float32 import MISS, distances
 from hsr.models.embree.lines import may_meet
-from hsr.models.rounded import TESSELLATED, fractions, of_polygons
+from hsr.models.rounded import TESSELLATED, of_polygons
 from hsr.models.stages import Pipeline, at_samples, named, rerun
 from hsr.problem.map import BACKGROUND
 from hsr.problem.view import View
@@ -114,13 +114,24 @@ def _exact_nearest(corners: Array, face: Ints, origin: Array, direction: Array, 
 
 def _exact_hit(corners: Array, origin: Array, direction: Array) -> tuple[Fraction, bool]:
     """Return the distance of a triangle along a ray, and whether the ray meets its edge; -1 for a miss."""
-    d, (a, b, c) = fractions(direction), fractions(corners) - fractions(origin)
-    sides = [np.cross(p, q) @ d for p, q in ((b, c), (c, a), (a, b))]
+    d, start = _exact(direction), _exact(origin)
+    a, b, c = ([p - o for p, o in zip(_exact(corner), start, strict=True)] for corner in corners)
+    sides = [_volume(p, q, d) for p, q in ((b, c), (c, a), (a, b))]
     # The volumes that the edges span with the direction add up to the normal's part along it.
     total = sum(sides)
     if total == 0 or min(sides) < 0 < max(sides):
         return Fraction(-1), False
-    return np.cross(a, b) @ c / total, 0 in sides
+    return _volume(a, b, c) / total, 0 in sides
+
+
+def _exact(vector: Array) -> list[Fraction]:
+    return [Fraction(number) for number in vector.tolist()]
+
+
+def _volume(p: Sequence[Fraction], q: Sequence[Fraction], r: Sequence[Fraction]) -> Fraction:
+    """Return (p x q) . r."""
+    (a, b, c), (d, e, f), (g, h, i) = p, q, r
+    return (b * f - c * e) * g + (c * d - a * f) * h + (a * e - b * d) * i
 
 
 PIPELINE = Pipeline((TESSELLATED, *named(input_rounding, transform, intersector)), None)
