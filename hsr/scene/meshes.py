@@ -53,7 +53,14 @@ class Faces(NamedTuple):
 
 
 def joined(parts: Sequence[Faces]) -> Faces:
-    """Put the faces of several meshes one after the other."""
+    """Put the faces of several meshes one after the other.
+
+    Raises
+    ------
+    SceneError
+        If they are more than :func:`mesh_shape` takes.
+    """
+    _check_number(sum(int(part.sides.sum()) - 2 * len(part.sides) for part in parts))
     parts = [Faces.of([], [], []), *parts]
     vertices, corner, sides = (np.concatenate(column) for column in zip(*parts, strict=True))
     before = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
@@ -99,14 +106,18 @@ def mesh_shape(faces: Faces) -> Shape:
     return Shape(Kind.MESH, "mesh", Polygons.of_rows(faces.vertices, triangles), cut=cut, concave=concave)
 
 
+def _check_number(triangles: int) -> None:
+    if triangles > MAX_TRIANGLES:
+        raise SceneError(f"the mesh has more than {MAX_TRIANGLES} triangles; split it")
+
+
 def _checked(faces: Faces) -> Faces:
     if not len(faces.sides):
         raise SceneError("the mesh has no faces")
     if faces.sides.min() < 3:
         k = np.argmax(faces.sides < 3)
         raise SceneError(f"face {k} (counted from 0) has fewer than three corners")
-    if int((faces.sides - 2).sum()) > MAX_TRIANGLES:
-        raise SceneError(f"the mesh has more than {MAX_TRIANGLES} triangles; split it")
+    _check_number(int((faces.sides - 2).sum()))
     missing = (faces.corner < 0) | (faces.corner >= len(faces.vertices))
     if missing.any():
         face = int(np.searchsorted(np.cumsum(faces.sides), np.argmax(missing), side="right"))

@@ -17,7 +17,6 @@ from hsr.base.errors import SceneError
 from hsr.scene.camera import projection_of
 from hsr.scene.files import load, shape_of
 from hsr.scene.model import Mesh, Orthographic, Perspective
-from hsr.scene.names import unique
 from hsr.scene.transforms import compose
 
 TRIANGLE = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], dtype="<f4")
@@ -138,7 +137,6 @@ def test_text_gltf_with_its_buffer_beside_it(tmp_path: Path) -> None:
 
 
 def test_names_are_made_different(tmp_path: Path) -> None:
-    assert unique(["a", "a", "b", "a", "a.1", ""]) == ["a", "a.1", "b", "a.2", "a.1.1", "unnamed"]
     scene = load_glb(tmp_path, nodes=[{"name": "n", "mesh": 0}, {"name": "n", "mesh": 0}])
     assert [thing.name for thing in scene.object] == ["n", "n.1"]
 
@@ -201,35 +199,23 @@ def test_an_eye_far_from_the_origin_keeps_its_direction(tmp_path: Path) -> None:
 
 # ---------------------------------------------------------------- problems
 
-FAN = [{"primitives": [primitive(0, mode=6)]}]
 LINES = [{"primitives": [primitive(0, mode=1)]}]
-BAD_LENS = {"type": "perspective", "perspective": {"yfov": 4.0, "znear": 1}}
 
 
 @pytest.mark.parametrize(
     ("keys", "problem"),
     [
-        (
-            {"nodes": [{"mesh": 0}], "extensionsRequired": ["KHR_draco_mesh_compression"]},
-            "it requires KHR_draco_mesh_",
-        ),
-        (
-            {"nodes": [{"mesh": 0}], "accessors": [{"sparse": {}}]},
-            "it has sparse accessors; export it without them",
-        ),
-        ({"nodes": [{"mesh": 0}], "meshes": FAN}, "it has triangle fans; export it as triangles"),
         ({"nodes": [{"mesh": 0}], "meshes": LINES}, "no node of its scene has a mesh with triangles"),
         ({"nodes": []}, "no node of its scene has a mesh with triangles"),
-        ({"nodes": [{"children": [0], "mesh": 0}], "scenes": [{"nodes": [0]}]}, "node 0 is its own ancestor"),
+        (
+            {"nodes": [{"children": [0], "mesh": 0}], "scenes": [{"nodes": [0]}]},
+            "node 0 stands twice in its tree",
+        ),
         (
             {"nodes": [{"mesh": 0, "scale": [1, 0, 1]}]},
             "node 0: scale: a scale of 0 makes the transform singular",
         ),
-        ({"nodes": [{"mesh": 9}]}, "not a readable GLB file (IndexError: "),
-        (
-            {"nodes": [{"mesh": 0}, {"camera": 0, "name": "c"}], "cameras": [BAD_LENS]},
-            "camera 'c': fov: must be less than 180, got 229",
-        ),
+        ({"nodes": [{"mesh": 9}]}, "meshes[9] does not exist; there are 1"),
         (
             {
                 "nodes": [
@@ -246,10 +232,3 @@ def test_files_that_are_refused(tmp_path: Path, keys: dict[str, Any], problem: s
         load_glb(tmp_path, **keys)
     assert str(caught.value).removeprefix(f"{tmp_path / 'a.glb'}: ").startswith(problem)
     assert "\n" not in str(caught.value)
-
-
-def test_a_cut_off_file(tmp_path: Path) -> None:
-    path = write_glb(tmp_path / "a.glb", tree(nodes=[{"mesh": 0}]))
-    path.write_bytes(path.read_bytes()[:-20])
-    with pytest.raises(SceneError, match=r"a.glb: not a readable GLB file \("):
-        load(path)
