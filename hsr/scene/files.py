@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from difflib import get_close_matches
-from functools import lru_cache
+from functools import cache, lru_cache, partial
 from itertools import product
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -104,7 +104,7 @@ def shape_of(thing: Object, folder: Path) -> Shape:
         If a mesh file cannot be used or corners and faces do not make a convex polyhedron.
     """
     with _prefixed(f"object {thing.name!r}: "):
-        return _shape(thing, folder)
+        return _shapes(folder)(thing)
 
 
 @contextmanager
@@ -183,7 +183,7 @@ def _part_problems(
 ) -> list[str]:
     """Make every projection, shape and transform, and count the faces."""
     problems: list[str] = []
-    faces = 0
+    shape, faces = _shapes(folder), 0
     for k, camera in cameras:
         with _collected(problems, f"camera[{k}]: "):
             projection_of(camera, aspect=1.0)
@@ -192,7 +192,7 @@ def _part_problems(
             compose(thing.transform)
         with _collected(problems, f"object[{k}]."):
             copies = thing.scatter.count if thing.scatter else 1
-            faces += _shape(thing, folder).faces * copies
+            faces += shape(thing).faces * copies
         if faces > MAX_FACES:
             problems.append(f"object[{k}]: with it, the scene has {faces} faces; {MAX_FACES} are the most")
             break
@@ -214,14 +214,26 @@ UNPLACED = {key: field.default for key, field in Thing.model_fields.items()} | {
 """What does not bear on the shape of an object."""
 
 
-def _shape(thing: Object, folder: Path) -> Shape:
-    """Return the shape of an object; a problem starts with the key it concerns."""
-    if not isinstance(thing, Mesh) or thing.file is None:
+def _shapes(folder: Path) -> Callable[[Object], Shape]:
+    """Return what gives shapes of objects and looks once whether a file has changed, for however many.
+
+    A problem starts with the key it concerns.
+    """
+    of_file = cache(partial(_shape_of_file, folder))
+
+    def shape(thing: Object) -> Shape:
+        if isinstance(thing, Mesh) and thing.file is not None:
+            return of_file(thing.file, thing.part)
         return _defined_shape(thing.model_copy(update=UNPLACED))
-    with _prefixed(f"file: {thing.file}: "):
-        path = folder / thing.file
+
+    return shape
+
+
+def _shape_of_file(folder: Path, file: str, part: str | None) -> Shape:
+    with _prefixed(f"file: {file}: "):
+        path = folder / file
         _check_file(path)
-        return _mesh_of(path, thing.part, _version(path))
+        return _mesh_of(path, part, _version(path))
 
 
 @lru_cache(maxsize=128)
@@ -303,13 +315,13 @@ def _with_fitted(scene: Scene) -> Scene:
 
 def ball_of(scene: Scene) -> Ball:
     """Return a sphere around all objects of a scene, as cameras are fitted to it."""
-    placings = ((thing, matrix) for thing in scene.object for _, matrix in copies(thing))
-    return ball_around(np.concatenate([placed(_corners(scene, thing), m[:3]) for thing, m in placings]))
+    shape, corners = _shapes(scene.folder), cache(_corners)
+    placings = ((corners(shape(thing)), matrix) for thing in scene.object for _, matrix in copies(thing))
+    return ball_around(np.concatenate([placed(points, matrix[:3]) for points, matrix in placings]))
 
 
-def _corners(scene: Scene, thing: Object) -> Floats:
+def _corners(shape: Shape) -> Floats:
     """Vertices that faces use, or the corners of the box around a round solid, in object space."""
-    shape = _shape(thing, scene.folder)
     if shape.quadric is not None:
         return np.array([*product(*shape.quadric.box.T)])
     return cast(Polygons, shape.polygons).used

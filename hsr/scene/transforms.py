@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 
 import numpy as np
 from flint import arb, arb_mat, ctx, fmpq
@@ -35,6 +36,12 @@ def compose(steps: Sequence[Step]) -> Floats:
     SceneError
         If an entry leaves the range of float64 so that the matrix is infinite or singular.
     """
+    return _composed(tuple(steps)).copy()
+
+
+@lru_cache(maxsize=1 << 16)
+def _composed(steps: tuple[Step, ...]) -> Floats:
+    """Compose; a scene asks several times for the matrix of every object."""
     if not steps:
         return np.eye(4)
     with ctx.workprec(PRECISION):
