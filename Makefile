@@ -15,7 +15,7 @@ TURNING := solids cyclic teapot
 SAMPLED := exact backface painter scanline scanline-d16 zbuffer raycast opengl
 ROOT := $(shell [ "$$(id -u)" = 0 ] || echo "sudo -n")
 PIP := $(BIN)/python -m pip install -q --disable-pip-version-check --no-compile
-USED := import hsr.cli.compare, hsr.pages.report, matplotlib.colors, rich.progress, skimage.measure, skimage.morphology, trimesh
+USED := import hsr.cli.compare, hsr.pages.report, matplotlib.colors, rich.progress, skimage.measure, skimage.morphology
 APT := $(ROOT) env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0
 
 # What is imported is compiled once and kept, also where the environment says otherwise.

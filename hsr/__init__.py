@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 __version__ = "0.2.0"
 
-# Imported on first use: `hsr --help` must not wait for numba or trimesh. What makes scenes comes by way of
+# Imported on first use: `hsr --help` must not wait for numba or scipy. What makes scenes comes by way of
 # those who give them what notebooks show and, through the view, their geometry.
 _HOME = {
     "Difference": "hsr.difference.classes",

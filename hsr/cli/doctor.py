@@ -17,7 +17,7 @@ from hsr.cli import common as cli
 
 PACKAGES = (
     *("hsr-lab", "numpy", "numba", "scipy", "python-flint", "moderngl", "glcontext"),
-    *("trimesh", "matplotlib", "pydantic"),
+    *("matplotlib", "pydantic"),
 )
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")

@@ -21,7 +21,7 @@ def test_help_loads_nothing_heavy() -> None:
         check=True,
         capture_output=True,
     ).stdout.decode()
-    for heavy in ("numba", "trimesh", "matplotlib", "moderngl", "scipy", "numpy"):
+    for heavy in ("numba", "matplotlib", "moderngl", "scipy", "numpy"):
         assert heavy not in loaded.split()
 
 

@@ -65,7 +65,7 @@ def test_nothing_heavy_is_imported_before_it_is_used(pytester: pytest.Pytester) 
 
         def test_nothing(pytestconfig):
             assert pytestconfig.pluginmanager.hasplugin("hsr-gatherer")
-            heavy = {"numpy", "numba", "scipy", "trimesh", "matplotlib", "moderngl", "pydantic", "PIL"}
+            heavy = {"numpy", "numba", "scipy", "matplotlib", "moderngl", "pydantic", "PIL"}
             assert not heavy & set(sys.modules)
         """
     )
