@@ -20,6 +20,8 @@ from hsr.difference.classes import Difference, compare
 from hsr.difference.history import explain
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View, view
+from hsr.scene.files import ball_of
+from hsr.scene.fitting import words
 from hsr.scene.model import Scene
 
 RECALLED = "recalled"
@@ -87,12 +89,15 @@ class Study:
     def command(self) -> str:
         """The command that tells the history of a sample, X,Y in its place; empty if none can."""
         file, cameras = self.scene.file, self.scene.cameras_of_file
-        seen = [camera for camera in self.scene.camera if camera.name == self.camera and camera in cameras]
-        if not file or not seen:
+        if not file:
             return ""
-        camera = "" if seen[0] == cameras[0] else self.camera
+        (seen,) = (camera for camera in self.scene.camera if camera.name == self.camera)
+        base = next((camera for camera in cameras if camera.name == self.camera), cameras[0])
+        moves = words(seen, base, ball_of(self.scene))
         asked = [word for name in self.maps for word in ("-a", name)]
-        return explain(file, "X,Y", (self.view.width, self.view.height), camera, asked)
+        named = "" if base == cameras[0] else base.name
+        size = (self.view.width, self.view.height)
+        return "" if moves is None else explain(file, "X,Y", size, named, [*moves, *asked])
 
     def to_json(self) -> dict[str, Any]:
         """Return the study as JSON values, without the maps themselves."""

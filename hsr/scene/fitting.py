@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,6 +24,10 @@ FITTED_FOV = 40.0
 
 CLOSE = 1e-3
 """Near plane of a camera inside a scene, in radii of the scene."""
+
+
+KEYS = ("eye", "target", "up", "fov", "height")
+"""What places a camera, of what can be told it; then comes what it sees, near and far."""
 
 
 class Ball(NamedTuple):
@@ -85,6 +90,30 @@ def _near_and_far(kind: type[Placed], ball: Ball, keys: Mapping[str, Any]) -> di
         return {"near": 0.0, "far": MARGIN * max(middle + ball.radius, ball.radius)}
     front = (middle - ball.radius) / 2.0
     return {"near": max(front, CLOSE * ball.radius), "far": None}
+
+
+def words(camera: Camera, base: Camera, ball: Ball) -> list[str] | None:
+    """Return the options that make a camera of another, as every verb takes them; None if none do."""
+    wanted = camera.model_copy(update={"name": base.name})
+    if wanted == base:
+        return []
+    own = {key: value for key in (*KEYS, "near", "far") if (value := getattr(camera, key, None)) is not None}
+    new = {key: value for key, value in own.items() if value != getattr(base, key, None)}
+    placed = {key: value for key, value in new.items() if key in KEYS}
+    for keys in (placed, new, own):
+        with suppress(ViewError, ValueError):
+            if moved(base, ball, **keys) == wanted:
+                return [word for key, value in keys.items() for word in (_option(key), _spelt(value))]
+    return None
+
+
+def _option(key: str) -> str:
+    return "--parallel" if key == "height" else f"--{key}"
+
+
+def _spelt(value: float | Sequence[float]) -> str:
+    """Write a number or a vector so that it is read as the same."""
+    return ",".join(np.format_float_positional(x, trim="-") for x in np.atleast_1d(value))
 
 
 def turned(camera: Camera, angle: float, name: str | None = None) -> Camera:

@@ -30,3 +30,28 @@ def run(
         return int(ended.value.code or 0), captured.out, captured.err
 
     return call
+
+
+TWO = """
+[[camera]]
+name = "front"
+type = "perspective"
+eye = [0.0, 0.0, 5.0]
+
+[[camera]]
+name = "side"
+type = "perspective"
+eye = [5.0, 0.0, 0.0]
+
+[[object]]
+name = "box"
+shape = "cube"
+"""
+
+
+@pytest.fixture
+def two(tmp_path: Path) -> str:
+    """A scene with two cameras."""
+    file = tmp_path / "two.toml"
+    file.write_text(TWO, encoding="utf-8")
+    return str(file)

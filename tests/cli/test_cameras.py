@@ -12,29 +12,6 @@ import pytest
 import hsr
 
 CUBE = "scenes/cube.toml"
-TWO = """
-[[camera]]
-name = "front"
-type = "perspective"
-eye = [0.0, 0.0, 5.0]
-
-[[camera]]
-name = "side"
-type = "perspective"
-eye = [5.0, 0.0, 0.0]
-
-[[object]]
-name = "box"
-shape = "cube"
-"""
-
-
-@pytest.fixture
-def two(tmp_path: Path) -> str:
-    """A scene with two cameras."""
-    file = tmp_path / "two.toml"
-    file.write_text(TWO, encoding="utf-8")
-    return str(file)
 
 
 def test_the_command_sees_what_python_sees(run: Any, tmp_path: Path, scenes: Path) -> None:

@@ -21,6 +21,7 @@ from hsr.difference import study as module
 from hsr.difference.study import RECALLED, explained, study
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View
+from hsr.scene.model import MatrixCamera
 
 CUBE = [{"name": "box", "shape": "cube"}]
 
@@ -181,4 +182,7 @@ def test_the_command_for_a_history_can_be_pasted(make_scene: Any) -> None:
     assert study(scene, ["right"], "left", (8, 6)).command == command
     moved = scene.camera[0].model_copy(update={"fov": 12.0})
     elsewhere = scene.model_copy(update={"camera": (moved,)})
-    assert study(elsewhere, ["right"], "left", (8, 6)).command == ""
+    told = command.replace("8x6", "8x6 --fov 12")
+    assert study(elsewhere, ["right"], "left", (8, 6)).command == told
+    nowhere = scene.model_copy(update={"camera": (MatrixCamera(name="m", matrix=np.eye(4)),)})
+    assert study(nowhere, ["right"], "left", (8, 6)).command == ""
