@@ -7,16 +7,21 @@ import re
 import runpy
 import shlex
 from pathlib import Path
+from urllib.parse import parse_qsl
 
 import numpy as np
 import pytest
 from PIL import Image
 from typer.testing import CliRunner
 
+import hsr
 from hsr.base.errors import UnavailableError
 from hsr.cli.app import app
+from hsr.difference.study import study
 from hsr.lab.stability.cases import families, family_named
+from hsr.pages.report import write_report
 from tests.lab.made_up import results, row
+from tests.pages.unpacking import scene_of, unpack
 from tests.proof_readme import NOT_RUN, commands, skipped
 
 ROOT = Path(__file__).parent.parent
@@ -36,6 +41,18 @@ def test_the_python_example_runs(monkeypatch: pytest.MonkeyPatch, capsys: pytest
     except UnavailableError as error:
         pytest.skip(str(error))
     assert "opengl vs exact" in capsys.readouterr().out
+
+
+@pytest.mark.jit
+def test_the_link_leads_to_a_sample_with_its_history(tmp_path: Path) -> None:
+    (address,) = re.findall(r"report\.html#([^`]*)", README)
+    asked = dict(parse_qsl(address))
+    found = study(hsr.load(asked["scene"]), [asked["method"]], "exact")
+    if asked["method"] in found.missing:
+        pytest.skip(found.skipped[asked["method"]])
+    write_report([found], tmp_path / "report.html")
+    scene = scene_of((tmp_path / "report.html").read_text(encoding="utf-8"))
+    assert int(asked["y"]) * 512 + int(asked["x"]) in unpack(scene["told"])
 
 
 def test_the_commands_exist_with_their_options() -> None:
@@ -114,7 +131,6 @@ def test_the_test_of_another_renderer_runs(
     pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Its picture is what OpenGL would draw, in ids of triangles from 1 on."""
-    import hsr
     from hsr.models.llvmpipe.driver import predict
 
     (example,) = [block for block in blocks("py") if "def test_my_renderer" in block]

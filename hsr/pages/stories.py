@@ -138,7 +138,7 @@ def _order(
 
     differences = study.differences.values()
     height, width = next(iter(study.maps.values())).face.shape
-    if not differences:
+    if all(found.same for found in differences):
         linked = linked or [(height // 2, width // 2)]  # where the inspector opens
     differs = np.zeros((height, width), dtype=np.bool_)
     for difference in differences:

@@ -666,7 +666,7 @@
   }
   if (!matchMedia("(prefers-reduced-motion: reduce)").matches) setInterval(blink, PACE);
 
-  /** Open a scene at a method's sample: if none is named its largest cluster, or else one that has a history. */
+  /** Open a scene at a method's sample: if none is named its largest cluster, or else a sample that has a history. */
   async function open(number, wanted, row, column) {
     [mode, kind, overlay] = ["two-up", "faces", "none"];
     canvases.clear();
@@ -685,13 +685,14 @@
     }
     const method = scene.methods.findIndex(({ name }) => name === wanted);
     shown = [scene.base, method < 0 ? scene.base : method];
-    cluster = -1;
+    [cluster, sample] = [-1, { row: 0, column: 0 }]; // the last scene may have been larger
     measure();
     fit();
     update();
     const { clusters, samples } = scene.methods[shown[1]];
     const told = samples.find((number) => scene.told[lowerBound(scene.told, number)] === number); // ties form no clusters
-    const first = clusters[0] ?? (told !== undefined && [Math.floor(told / scene.width), told % scene.width]);
+    const at = (number) => number !== undefined && [Math.floor(number / scene.width), number % scene.width];
+    const first = clusters[0] ?? at(told);
     if (row !== undefined) {
       pick(row, column);
     } else if (first) {
@@ -699,7 +700,7 @@
       pick(first[0], first[1]);
       update();
     } else {
-      pick(scene.height >> 1, scene.width >> 1);
+      pick(...(at(scene.told[0]) || [scene.height >> 1, scene.width >> 1]));
     }
     dialog.focus();
   }

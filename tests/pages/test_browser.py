@@ -287,14 +287,15 @@ def test_an_unfinished_page_loads_itself_until_it_is_whole(
 ) -> None:
     path = tmp_path / "growing.html"
     write_report([studied], path, pending=["absent"])
-    tab = browser.new_page(viewport={"width": 800, "height": 600})
+    # Where motion is wanted the way to the heading may still be going on when the page is scrolled.
+    tab = browser.new_page(viewport={"width": 800, "height": 600}, reduced_motion="reduce")
     tab.goto(path.as_uri() + "#made-with")
     place = "document.getElementById('overview').getBoundingClientRect().top"
     # In one step: the page may load itself again between two.
     before = tab.evaluate(f"() => {{ scrollTo({{ top: 900, behavior: 'instant' }}); return {place}; }}")
     write_report([studied], path)
     tab.wait_for_selector(".pending", state="detached", timeout=5000)
-    tab.wait_for_function(f"Math.abs({place} - {before}) < 1", timeout=5000)
+    until(tab, f"Math.abs({place} - {before}) < 1")
     assert before < 0
     tab.close()
 
@@ -428,6 +429,23 @@ def test_where_only_ties_differ_one_with_a_history_is_shown(
     tab.goto((tmp_path / "ties.html").as_uri() + fragment("boxes", "shifted"))
     ready(tab)
     assert "T tie" in text(tab, "legend") and text(tab, "story").startswith("column ")
+    tab.close()
+
+
+def test_every_link_and_picture_leads_to_a_history(browser: Any, real: Study, tmp_path: Path) -> None:
+    alike = study(real.scene, ["zbuffer"], "exact", (48, 36), name="alike")
+    write_report([real, alike], tmp_path / "few.html", histories=0)
+    tab = browser.new_page()
+    tab.goto((tmp_path / "few.html").as_uri())
+    tab.evaluate("document.querySelectorAll('details').forEach(e => e.open = true)")
+    led = tab.locator("a[href^='#scene='], .thumb").all()
+    assert len(led) > 6
+    tab.on("pageerror", lambda error: pytest.fail(str(error)))
+    for link in led:
+        link.click()
+        ready(tab)
+        until(tab, "document.getElementById('story').textContent.startsWith('column ')")
+        press(tab, "Escape")
     tab.close()
 
 
