@@ -19,6 +19,7 @@ from hsr.base.errors import UnavailableError
 from hsr.cli.app import app
 from hsr.difference.study import study
 from hsr.lab.stability.cases import families, family_named
+from hsr.lab.stability.family import at_side
 from hsr.pages.report import write_report
 from tests.lab.made_up import results, row
 from tests.pages.unpacking import scene_of, unpack
@@ -99,7 +100,7 @@ def test_the_matrix_has_the_theory_of_today() -> None:
         for variant in family_named(entry["family"]).contenders():
             row = rows[variant.name]
             at, side = row["at"], entry["side"]
-            predicted = variant.break_at(side) if variant.curve is None else variant.curve(at)
+            predicted = at_side(variant.breaks, side) if variant.curve is None else variant.curve(at)
             assert row["because"] == variant.because
             close = predicted if predicted is None else pytest.approx(predicted, rel=1e-12)
             assert row["predicted"] == close

@@ -11,11 +11,11 @@ import platform
 import re
 import subprocess
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -27,6 +27,8 @@ VARIABLES = ("OMP_WAIT_POLICY", "GOMP_SPINCOUNT", "NUMBA_NUM_THREADS", "NUMBA_CP
 
 ROOT = Path(__file__).parents[2]
 """The checkout, if the package is not installed for good."""
+
+Made = TypeVar("Made")
 
 Clocks = tuple[float, float, float]
 """Seconds of the wall clock, of all processors busy, and of this process and its children."""
@@ -123,29 +125,19 @@ def yardstick() -> float:
 # ---------------------------------------------------------------- memory
 
 
-class Peak:
-    """How far resident memory rose, in bytes; None until known."""
+def peak_of(work: Callable[[], Made]) -> tuple[Made, int | None]:
+    """Do some work; return what it makes, and how many bytes the resident memory rose, None if nothing says.
 
-    rise: int | None = None
-
-
-@contextmanager
-def peak_memory() -> Iterator[Peak]:
-    """Measure how far the process's resident memory rises within the ``with`` block.
-
-    Freed memory that the allocator still holds is given back first, lest it hide what the block takes.
+    Freed memory that the allocator still holds is given back first, lest it hide what the work takes.
     """
-    peak = Peak()
     before: int | None = None
     with suppress(OSError, AttributeError):
         ctypes.CDLL(None).malloc_trim(0)
     with suppress(OSError):
         CLEAR_REFS.write_text("5")  # Linux forgets how much was resident at most: proc(5), clear_refs
         before = _resident("VmRSS")
-    yield peak
-    after = _resident("VmHWM")
-    if before is not None and after is not None:
-        peak.rise = max(after - before, 0)
+    made, after = work(), _resident("VmHWM")
+    return made, None if before is None or after is None else max(after - before, 0)
 
 
 def _resident(field: str) -> int | None:

@@ -23,7 +23,7 @@ from hsr.base.arrays import Floats
 from hsr.difference.cause import causes
 from hsr.difference.classes import SampleClass, compare
 from hsr.difference.study import Progress
-from hsr.lab.machine import clocks, commit, equal_threads, foreign_load, machine, peak_memory, yardstick
+from hsr.lab.machine import clocks, commit, equal_threads, foreign_load, machine, peak_of, yardstick
 from hsr.lab.results import FEWEST, DepthOff, Results, Row, Verdict
 from hsr.lab.statistics import timing
 from hsr.problem.map import VisibilityMap
@@ -216,15 +216,14 @@ class Contestant:
         self.method.warm_up(fresh(self.case.view))
         warm_up = 1e3 * (time.perf_counter() - start)
         problem = fresh(self.case.view)
-        with peak_memory() as peak:
-            answer = self.method.render(problem)
+        answer, peak = peak_of(lambda: self.method.render(problem))
         self.facts = {
             "driver": answer.notes.get("driver", ""),
             "threads": answer.notes.get("threads", equal_threads()),
             "warm_up": round(warm_up, 4),
             "verdict": verdict(self.case.view, answer, truth, explain),
             "work": answer.work,
-            "peak_bytes": peak.rise,
+            "peak_bytes": peak,
             "buffer_bytes": answer.face.nbytes + answer.depth.nbytes,
         }
 

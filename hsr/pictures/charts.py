@@ -8,12 +8,13 @@ any colour vision can tell apart; every family has a shape of its own besides.
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from itertools import cycle, pairwise
 from textwrap import shorten
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -220,9 +221,9 @@ class Panel(NamedTuple):
 
 @dataclass(frozen=True)
 class Span:
-    """What all panels show: times from bottom to top, by their logarithm, and errors by ``log(1 + x)``.
+    """What all panels show: times from bottom to top, by their logarithm, and errors by ``asinh(x)``.
 
-    ``log(1 + x)`` is nearly linear below 1, logarithmic far above it, and 0 has a place.
+    ``asinh(x)`` is nearly linear below 1, logarithmic far above it, and 0 has a place.
     """
 
     right: float
@@ -239,7 +240,7 @@ class Span:
         most = max((mark.x for mark in marks), default=0.0)
         bottom = min((mark.low for mark in marks), default=1.0)
         top = max((mark.high for mark in marks), default=10.0)
-        return cls(float(np.expm1(1.35 * np.log1p(max(most, 20.0)))), bottom / 1.5, top * 1.5)
+        return cls(math.sinh(1.35 * math.asinh(max(most, 20.0))), bottom / 1.5, top * 1.5)
 
     def error_ticks(self) -> list[float]:
         """Return 0 and the powers of ten that the axis of errors shows."""
@@ -249,16 +250,6 @@ class Span:
         """Return the powers of ten that the axis of times shows, of a short one 2 and 5 times them, too."""
         steps = (1.0, 2.0, 5.0) if self.top / self.bottom < 1000.0 else (1.0,)
         return [step * ten for ten in DECADES for step in steps if self.bottom <= step * ten <= self.top]
-
-
-def symlog(x: Any) -> Floats:
-    """Return ``sign(x) log(1 + |x|)``."""
-    return np.asarray(np.sign(x) * np.log1p(np.abs(x)), dtype=np.float64)
-
-
-def unsymlog(u: Any) -> Floats:
-    """Return the inverse of :func:`symlog`."""
-    return np.asarray(np.sign(u) * np.expm1(np.abs(u)), dtype=np.float64)
 
 
 def speed_svg(panels: Sequence[Panel], x_title: str, y_title: str) -> str:
@@ -289,7 +280,7 @@ def speed_svg(panels: Sequence[Panel], x_title: str, y_title: str) -> str:
 
 def _scale(area: Axes, span: Span) -> None:
     area.set_yscale("log")
-    area.set_xscale("function", functions=(symlog, unsymlog))
+    area.set_xscale("asinh", linear_width=1.0)
     area.set_xlim(span.LEFT, span.right)
     area.set_ylim(span.bottom, span.top)
     for axis, ticks in ((area.xaxis, span.error_ticks()), (area.yaxis, span.time_ticks())):

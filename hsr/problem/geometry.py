@@ -18,9 +18,10 @@ from hsr.base.arrays import Array, Floats, Ints, ranges
 from hsr.base.errors import MethodError, ViewError
 from hsr.base.files import digest_of
 from hsr.scene.files import shape_of
-from hsr.scene.model import Scene, exact_determinant
+from hsr.scene.model import Scene
 from hsr.scene.shapes import MAX_FACES, Polygons, Shape, tessellated
 from hsr.scene.transforms import copies, placed
+from hsr.scene.values import exact_determinant
 
 CULL = {"none": 0, "back": 1, "front": 2}
 """The numbers by which kernels know what an object culls."""

@@ -15,7 +15,8 @@ import numpy as np
 
 from hsr.base.arrays import Floats
 from hsr.base.errors import ViewError
-from hsr.scene.model import Camera, MatrixCamera, Orthographic, Perspective, exact_determinant, unit
+from hsr.scene.model import Camera, MatrixCamera, Orthographic, Perspective
+from hsr.scene.values import exact_determinant, unit
 
 OBLIQUE = 2.0**-22
 """How far a z row may lean from the w row, relative to its largest entry.

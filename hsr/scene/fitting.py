@@ -11,7 +11,8 @@ import numpy as np
 
 from hsr.base.arrays import Floats
 from hsr.base.errors import ViewError
-from hsr.scene.model import Camera, MatrixCamera, Orthographic, Perspective, Placed, unit
+from hsr.scene.model import Camera, MatrixCamera, Orthographic, Perspective, Placed
+from hsr.scene.values import unit
 
 OBLIQUE = (0.48, 0.36, 0.8)
 """Unit vector from the centre of a fitted view to its eye: from the right, above and in front."""

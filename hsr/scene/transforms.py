@@ -10,7 +10,8 @@ from flint import arb, arb_mat, ctx, fmpq
 
 from hsr.base.arrays import Floats
 from hsr.base.errors import SceneError
-from hsr.scene.model import Object, Scatter, Step, exact_determinant
+from hsr.scene.model import Object, Scatter, Step
+from hsr.scene.values import exact_determinant
 
 PRECISION = 256
 """Bits carried while composing; the result is rounded to the 53 of float64 once."""

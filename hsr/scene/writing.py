@@ -9,7 +9,8 @@ from typing import Any
 
 from hsr.base.errors import SceneError
 from hsr.base.files import write_whole
-from hsr.scene.model import Description, Scene
+from hsr.scene.model import Scene
+from hsr.scene.values import Description
 
 INDENT = "  "
 

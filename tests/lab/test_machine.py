@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from hsr.lab import machine
-from hsr.lab.machine import clocks, commit, foreign_load, peak_memory, yardstick
+from hsr.lab.machine import clocks, commit, foreign_load, peak_of, yardstick
 
 
 def test_foreign_load_is_what_others_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -29,19 +29,15 @@ def test_foreign_load_is_what_others_do(tmp_path: Path, monkeypatch: pytest.Monk
 def test_a_system_that_does_not_tell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(machine, "STAT", tmp_path / "nothing")
     monkeypatch.setattr(machine, "CLEAR_REFS", tmp_path / "no folder" / "nothing")
-    with peak_memory() as peak:
-        pass
-    assert foreign_load(clocks()) is None and peak.rise is None
+    assert foreign_load(clocks()) is None and peak_of(lambda: 3) == (3, None)
 
 
 @pytest.mark.skipif(not os.access(machine.CLEAR_REFS, os.W_OK), reason="this system tells no peak memory")
 def test_peak_memory_is_seen_though_it_is_given_back() -> None:
-    with peak_memory() as peak:
-        np.ones(4_000_000).sum()
-    with peak_memory() as calm:
-        pass
-    assert peak.rise is not None and 30e6 < peak.rise < 40e6
-    assert calm.rise is not None and calm.rise < 5e6
+    made, peak = peak_of(lambda: np.ones(4_000_000).sum())
+    _, calm = peak_of(lambda: None)
+    assert made == 4e6 and peak is not None and 30e6 < peak < 40e6
+    assert calm is not None and calm < 5e6
 
 
 def test_the_commit_is_that_of_the_checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,8 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from hsr.scene.model import Perspective, Scene, Step, exact_determinant
+from hsr.scene.model import Perspective, Scene, Step
 from hsr.scene.validation import lines_of
+from hsr.scene.values import exact_determinant
 
 CAMERA = {"type": "perspective", "eye": [0.0, 0.0, 5.0]}
 CUBE = {"name": "a", "shape": "cube"}

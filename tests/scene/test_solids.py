@@ -10,9 +10,9 @@ import pytest
 
 from hsr.base.arrays import Array, Floats
 from hsr.scene import solids
-from hsr.scene.model import exact_determinant
 from hsr.scene.shapes import Polygons, generic, tessellated
 from hsr.scene.solids import surface_problem, winding_number
+from hsr.scene.values import exact_determinant
 
 CUBE = generic("cube").polygons
 assert CUBE is not None

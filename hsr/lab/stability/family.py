@@ -31,6 +31,11 @@ Breaks = float | Callable[[int], float] | None
 """A value of the parameter, a function that computes it from the side of the picture, or none."""
 
 
+def at_side(value: Breaks, side: int) -> float | None:
+    """Return what a value is for pictures of this side."""
+    return value(side) if callable(value) else value
+
+
 @dataclass(frozen=True)
 class Variant:
     """One way to render, and what theory says of it.
@@ -72,14 +77,6 @@ class Variant:
     safe: Breaks = None
     curve: Callable[[float], float] | None = None
     excess: float = 1.0
-
-    def break_at(self, side: int) -> float | None:
-        """Return the expected break for pictures of this side, None if there is none."""
-        return self.breaks(side) if callable(self.breaks) else self.breaks
-
-    def safe_at(self, side: int) -> float | None:
-        """Return the value that is proven to be safe for pictures of this side, None if none is."""
-        return self.safe(side) if callable(self.safe) else self.safe
 
     @property
     def curved(self) -> bool:

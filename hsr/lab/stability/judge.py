@@ -16,7 +16,7 @@ from hsr.base.arrays import Bools
 from hsr.base.errors import MethodError, UnavailableError
 from hsr.difference.cause import causes
 from hsr.difference.study import Progress
-from hsr.lab.stability.family import QUICK_SIDE, SIDE, Family, Trial, Variant
+from hsr.lab.stability.family import QUICK_SIDE, SIDE, Family, Trial, Variant, at_side
 from hsr.models.stages import Cause
 from hsr.problem.map import VisibilityMap
 from hsr.problem.view import View
@@ -266,7 +266,7 @@ def _row(family: Family, side: int, variant: Variant, points: Sequence[Point], s
         return _row_of_curve(variant, points)
     if all(point.refused for point in points):
         return Row(variant.name, variant.because, tuple(points), None, None, (), Verdict.REFUSED)
-    predicted, values = variant.break_at(side), [point.value for point in points]
+    predicted, values = at_side(variant.breaks, side), [point.value for point in points]
     measured = next((point.value for point in points if point.wrong), None)
     if sharp and variant.because and measured not in (None, values[0]):
         k = values.index(measured)
@@ -295,7 +295,7 @@ def _verdict(
     if not variant.because:
         return Verdict.HOLDS if measured is None else Verdict.NO_THEORY
     sign, ease = (1.0, variant.factor) if family.ascending else (-1.0, 1.0 / variant.factor)
-    predicted, safe = variant.break_at(side), variant.safe_at(side)
+    predicted, safe = at_side(variant.breaks, side), at_side(variant.safe, side)
     # Of hardness, which ascends in any case: what never breaks does so beyond all values.
     first, expected = (math.inf if value is None else sign * value for value in (measured, predicted))
     due = next((sign * value for value in values if sign * value >= expected * ease), math.inf)

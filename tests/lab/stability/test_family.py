@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,7 @@ from hsr.algorithms.registry import certified_methods, methods
 from hsr.base.errors import HsrError, MethodError
 from hsr.lab.stability import cases
 from hsr.lab.stability.cases import families, family_named
-from hsr.lab.stability.family import GROUPS, QUICK_SIDE, Family, Variant
+from hsr.lab.stability.family import GROUPS, QUICK_SIDE, Family, Variant, at_side
 from hsr.scene.writing import to_toml
 
 FAMILIES = families()
@@ -103,5 +102,5 @@ def test_values_between_that_mean_nothing_are_refused(name: str, value: float) -
 
 def test_a_break_may_depend_on_the_side() -> None:
     variant = Variant("zbuffer", lambda side: 2.0 * side, "2 W")
-    assert variant.break_at(32) == 64.0 and replace(variant, breaks=3.0).break_at(32) == 3.0
-    assert replace(variant, breaks=None).break_at(32) is None
+    assert at_side(variant.breaks, 32) == 64.0 and at_side(3.0, 32) == 3.0
+    assert at_side(None, 32) is None
