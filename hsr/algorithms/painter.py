@@ -50,9 +50,8 @@ def render(view: View, options: Options) -> VisibilityMap:  # noqa: ARG001
     with clock("sort"):
         order = back_to_front(clip, polygons)
     with clock("render"):
-        face, depth, _, _ = scanline.scan_polygons(
-            view, _in_order(polygons, order), clip, polygons.cull[order], PAINT, ALWAYS
-        )
+        drawn, cull = _in_order(polygons, order), polygons.cull[order]
+        face, depth, _, _ = scanline.scan_polygons(view, drawn, clip, cull, PAINT, ALWAYS)
     return VisibilityMap(face, depth, "painter", {"polygons": len(polygons)}, clock.seconds)
 
 

@@ -163,9 +163,8 @@ def render(view: View, options: Options) -> VisibilityMap:
         polygons = view.polygons
     with clock("render"):
         clip = to_clip(polygons.vertices, clip_rows(view.clip_from_world, view.depth_row))
-        face, depth, work, depths = scan_polygons(
-            view, polygons, clip, polygons.cull, options, TESTS[options.depth_test]
-        )
+        drawn = view, polygons, clip, polygons.cull
+        face, depth, work, depths = scan_polygons(*drawn, options, TESTS[options.depth_test])
     stored = depths.note(ARITHMETIC[options.arithmetic])
     return VisibilityMap(face, depth, "scanline", work, clock.seconds, {"depth_format": stored})
 

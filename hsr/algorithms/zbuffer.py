@@ -261,10 +261,8 @@ def draw(
     extent = np.empty((clusters.low.shape[1], 5))
     uncertain = setup.lay_out(clusters.vertices, clusters.low, clusters.high, rows, eye, screen, extent)
     if clusters.normals is not None:
-        form = facing.determinant_of(view.perspective, rows)
-        facing.leave_out(
-            (clusters.low, clusters.high), clusters.normals, clusters.culls, clusters.slack, form, extent
-        )
+        form, boxes = facing.determinant_of(view.perspective, rows), (clusters.low, clusters.high)
+        facing.leave_out(boxes, clusters.normals, clusters.culls, clusters.slack, form, extent)
     crossing = _crossing(view, clusters, rows, eye, screen) if uncertain else NO_TABLES
     listed, todo = tiles.deal(extent, view.width, view.height, thread_count())
     triangles, image = (screen, clusters.corner, clusters.cull), (clusters.faces, *answer)

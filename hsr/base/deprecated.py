@@ -19,16 +19,11 @@ def sample_by_name(function: Callable[Given, Answer]) -> Callable[Given, Answer]
     def named(*given: Any, **keys: Any) -> Answer:
         before = len(given) > 2 and all(hasattr(one, "__index__") for one in given[1:3])
         if before or "row" in keys:
-            warn(
-                f"{function.__name__}: name the sample, x= its column, y= its row",
-                DeprecationWarning,
-                stacklevel=2,
-            )
+            told = f"{function.__name__}: name the sample, x= its column, y= its row"
+            warn(told, DeprecationWarning, stacklevel=2)
             row, column = given[1:3] if before else (keys.pop("row"), keys.pop("column"))
-            given, keys = (
-                (given[:1] + given[3 if before else 1 :]),
-                {**keys, "x": index(column), "y": index(row)},
-            )
+            given = given[:1] + given[3 if before else 1 :]
+            keys |= {"x": index(column), "y": index(row)}
         return function(*given, **keys)
 
     return named

@@ -31,9 +31,7 @@ bench_app = Typer(
     help="Measure how fast methods are, and how wrong. 'hsr bench SCENE...' means 'hsr bench run SCENE...'.",
 )
 
-Folder = Annotated[
-    Path | None, cli.output("Write results, tables and charts into this folder.", metavar="DIR")
-]
+Folder = Annotated[Path | None, cli.output("Folder for results, tables and charts.", metavar="DIR")]
 Quick = Annotated[bool, Option("--quick", help="Small pictures and few turns.")]
 
 

@@ -72,12 +72,8 @@ Texts = list[str] | None
 Json = Annotated[bool, Option("--json", help="Print JSON instead of a table.")]
 Quiet = Annotated[bool, Option("--quiet", "-q", help="No progress, no notes.")]
 Verbose = Annotated[bool, Option("--verbose", "-v", help="Also print work counts and clusters.")]
-Methods = Annotated[
-    Texts,
-    Option(
-        "--method", "-a", help="Method, repeatable; 'hsr algos' lists them.", autocompletion=method_completion
-    ),
-]
+METHOD = Option("--method", "-a", help="Repeatable; see 'hsr algos'.", autocompletion=method_completion)
+Methods = Annotated[Texts, METHOD]
 Size = Annotated[str, Option(help="Image size in pixels, WxH or N.")]
 SCENES = Argument(help="Scenes or mesh files.", autocompletion=scene_completion)
 SceneFiles = Annotated[list[Path], SCENES]
@@ -166,9 +162,8 @@ def check_output(path: Path, *endings: str) -> None:
             raise HsrError(f"{path}: what is written is a folder; say {path.with_suffix('')}")
         return
     if path.suffix.lower() not in endings:
-        raise HsrError(
-            f"{path}: what is written ends in {' or '.join(endings)}; say {path.with_suffix(endings[0])}"
-        )
+        kinds, said = " or ".join(endings), path.with_suffix(endings[0])
+        raise HsrError(f"{path}: what is written ends in {kinds}; say {said}")
     if not path.parent.is_dir():
         raise HsrError(f"{path}: there is no folder {path.parent}; make it first")
 

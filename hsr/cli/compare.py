@@ -212,9 +212,8 @@ def _print_sum(studies: Sequence[Study]) -> None:
     rows = [_sum_cells([found for found in studies if name in found.methods], name) for name in names]
     head = ("method", "scenes", "differ", "share", "most of them in", "causes", "render")
     right = [name for name in head[1:] if name != "causes"]
-    cli.print_table(
-        head, rows, right, title, below=["causes"], least=("share", "scenes", "most of them in", "render")
-    )
+    least = ("share", "scenes", "most of them in", "render")
+    cli.print_table(head, rows, right, title, below=["causes"], least=least)
     if any(found.reference in found.tessellating for found in studies):
         cli.out.print("Methods that keep curved shapes exact rightly differ along the outlines of polygons.")
 

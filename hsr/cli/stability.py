@@ -63,9 +63,8 @@ def run(
     if as_json:
         cli.print_json("stability", {"families": [result.to_json() for result in results]})
     else:
-        cli.print_table(
-            *table(results), least=("mostly by", "unexplained of traced", "predicted", "measured")
-        )
+        least = ("mostly by", "unexplained of traced", "predicted", "measured")
+        cli.print_table(*table(results), least=least)
         cli.say(*closing(results))
         if output is not None:
             cli.say(f"report: {output / 'index.html'}")

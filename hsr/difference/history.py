@@ -310,9 +310,7 @@ class Historian:
         owners = {face: self.name(face) for face in sorted(seen.admissible)}
         deep = partial(window_depth, self.view)
         entries = (Entry(self.name(x.face), x, deep(x.depth), verdicts) for x in seen.layers)
-        stories = (
-            one.story(self.cause(sample, one.answer), lambda: self.tessellated[sample]) for one in told
-        )
+        stories = (it.story(self.cause(sample, it.answer), lambda: self.tessellated[sample]) for it in told)
         owner, (row, column) = self.name(seen.owner), divmod(sample, size[0])
         return History(row, column, size, owner, owners, tuple(entries), tuple(stories))
 

@@ -27,9 +27,7 @@ PICTURE = """
 0 0 0 0 1 1 1 1
 """
 
-FACE = np.array(
-    [[BACKGROUND if k == "." else int(k) for k in row.split()] for row in PICTURE.split("\n")[1:-1]]
-)
+FACE = np.array([BACKGROUND if k == "." else int(k) for k in PICTURE.split()]).reshape(8, 8)
 
 X = (2 * np.arange(8) + 1) / 8 - 1
 """Where the samples of a row lie, from -1 to 1."""

@@ -124,10 +124,8 @@ def record_by(problem: View, method: Method, options: dict[str, Any]) -> Recordi
 def _check_faces(problem: View) -> None:
     count = problem.faces if problem.curved else len(problem.polygons)
     if count > MOST_FACES:
-        raise MethodError(
-            f"{count:,} faces are too many to follow step by step, {MOST_FACES} is the most; "
-            "scenes/cube.toml has 6"
-        )
+        told = f"{count:,} faces are too many to follow step by step, {MOST_FACES} is the most"
+        raise MethodError(f"{told}; scenes/cube.toml has 6")
 
 
 def asked(turns: Sequence[Turn], most: int) -> list[Turn]:

@@ -218,9 +218,8 @@ def _in_world(placement: Placement) -> WorldPolygons:
     with np.errstate(over="ignore", invalid="ignore"):
         vertices = placed(polygons.vertices, placement.world_from_object[:3])
     if not np.isfinite(vertices).all():
-        raise ViewError(
-            f"object {placement.name!r}: its vertices overflow float64 in world space; scale it down"
-        )
+        told = "its vertices overflow float64 in world space; scale it down"
+        raise ViewError(f"object {placement.name!r}: {told}")
     corner = reversed_loops(polygons) if placement.mirrored else polygons.corner
     cull = np.full(len(polygons), placement.cull, dtype=np.int8)
     return WorldPolygons(vertices, corner, polygons.start, polygons.face + np.int32(placement.first), cull)

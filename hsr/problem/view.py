@@ -251,8 +251,5 @@ def camera_named(scene: Scene, name: str | None = None) -> Camera:
     if not scene.camera:
         raise ViewError("the scene has no camera; give one: camera=hsr.Perspective(eye=(2, 2, 4))")
     cameras = {camera.name: camera for camera in scene.camera}
-    return (
-        scene.camera[0]
-        if name is None
-        else named(name, cameras, "no camera is named", ViewError, "the scene has")
-    )
+    first = scene.camera[0]
+    return first if name is None else named(name, cameras, "no camera is named", ViewError, "the scene has")

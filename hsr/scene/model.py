@@ -252,11 +252,9 @@ class Cylinder(Thing):
 
 def _check_indices(faces: Any, vertices: Any) -> None:
     for k, loop in enumerate(faces):
-        for index in loop:
-            if not 0 <= index < len(vertices):
-                raise ValueError(
-                    f"faces[{k}] names vertex {index}; there are {len(vertices)}, numbered from 0"
-                )
+        for one in loop:
+            if not 0 <= one < len(vertices):
+                raise ValueError(f"faces[{k}] names vertex {one}; there are {len(vertices)}, numbered from 0")
 
 
 class Polyhedron(Thing):

@@ -256,9 +256,8 @@ def _matched(name: str, shown: VisibilityMap, file: Path, limits: Limits, subjec
     if isinstance(stored, dict):
         return _matched_hashes(name, file, old, new, told, limits)
     if old["size"] != new["size"]:
-        return Match(
-            file, (f"{name} vs {file.name}: {new['size']} is not {old['size']}", told), False, None, stored
-        )
+        sizes = f"{name} vs {file.name}: {new['size']} is not {old['size']}"
+        return Match(file, (sizes, told), False, None, stored)
     if limits.depth_ulps is not None and not stored.tells_depth:
         missing = f"{file.name} keeps no depths, and {limits.told('depth_ulps')} judges them"
         return Match(file, (f"{name}: {missing}; write it again with --hsr-update=failed",), False, None)

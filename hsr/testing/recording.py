@@ -185,10 +185,8 @@ class Visibility:
         self._used |= {file.name for file in (*files, target)}
         if not check.passed and not check.shown:
             check.shown = self._keep(check, "shown", map)
-            view = subject.view if subject else None
-            self._inspect(
-                check, Shown(check.key, view, {called: map}, None, {}, {}, found.stored if files else None)
-            )
+            view, stored = subject.view if subject else None, found.stored if files else None
+            self._inspect(check, Shown(check.key, view, {called: map}, None, {}, {}, stored))
         due = "new" if not files else "failed" if not check.passed else "all"
         if self._test.config.getoption("hsr_update") in (due, "all"):
             write(target, map, check.depths)
@@ -308,9 +306,8 @@ class Visibility:
     def _inspect(self, check: Check, shown: Shown, sample: tuple[int, int] | None = None) -> None:
         """Keep what the page shows of maps, and how its address names what to look at first."""
         check.inspection = self._file(check, "inspection.json")
-        (self._results / check.inspection).write_text(
-            json.dumps(kept(shown, [sample] if sample else [])), encoding="utf-8"
-        )
+        told = json.dumps(kept(shown, [sample] if sample else []))
+        (self._results / check.inspection).write_text(told, encoding="utf-8")
         check.link = fragment(check.key, list(shown.maps)[-1], sample)
 
     def _keep(self, check: Check, what: str, map: VisibilityMap) -> str:

@@ -19,7 +19,5 @@ def check(method: str, options: Any, choices: Mapping[str, Collection[Any]]) -> 
     for name, known in choices.items():
         value = getattr(options, name)
         if value not in known:
-            told = ", ".join(str(choice).lower() for choice in known)
-            raise MethodError(
-                f"{method} has no {name} {value!r}; {nearest(value, map(str, known))}choose from {told}"
-            )
+            near, told = nearest(value, map(str, known)), ", ".join(str(choice).lower() for choice in known)
+            raise MethodError(f"{method} has no {name} {value!r}; {near}choose from {told}")

@@ -51,9 +51,8 @@ class Polygons:
         count, sides = rows.shape
         corner = np.ascontiguousarray(rows, np.int32).reshape(-1)
         start = np.arange(0, sides * count + 1, sides, dtype=np.int32)
-        return cls(
-            np.ascontiguousarray(vertices, np.float64), corner, start, np.arange(count, dtype=np.int32)
-        )
+        face = np.arange(count, dtype=np.int32)
+        return cls(np.ascontiguousarray(vertices, np.float64), corner, start, face)
 
     def __len__(self) -> int:
         return len(self.face)
