@@ -14,7 +14,10 @@ import re
 import sys
 from collections.abc import Callable
 from contextlib import suppress
+from functools import wraps
 from pathlib import Path
+from threading import RLock
+from types import SimpleNamespace
 from typing import Any, TypeVar, cast
 
 # An idle thread of GNU OpenMP spins for some 8 ms before it sleeps. On a busy machine that takes time from
@@ -23,6 +26,9 @@ if "OMP_WAIT_POLICY" not in os.environ:
     os.environ.setdefault("GOMP_SPINCOUNT", "1000")
 
 import numba
+from numba.np.ufunc.parallel import threading_layer
+
+from hsr.base.errors import HsrError
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -46,8 +52,56 @@ def parallel_jit(function: Function) -> Function:
     """Compile a kernel whose ``prange`` loops run on all threads, each of which takes one run of iterations.
 
     The result must not depend on how the iterations are shared out among the threads.
+    Only Python may call it.
+
+    Raises
+    ------
+    HsrError
+        When called in a process that was forked from one with threads of GNU OpenMP, which stay there.
     """
-    return cast(Function, numba.njit(cache=True, error_model="numpy", parallel=True)(function))
+    kernel = numba.njit(cache=True, error_model="numpy", parallel=True)(function)
+
+    @wraps(function)
+    def run(*given: Any) -> Any:
+        if _threads.lost:
+            raise HsrError(LOST)
+        if _layer() in SHARED:
+            return kernel(*given)
+        with _threads.alone:
+            return kernel(*given)
+
+    vars(run)["py_func"] = function  # as kernels for one thread have it
+    return cast(Function, run)
+
+
+SHARED = ("omp", "tbb")
+"""The layers of threads that several threads of Python may use at once."""
+
+LOST = (
+    "this process was forked after kernels had run, and lacks their threads: start processes otherwise, "
+    "as by multiprocessing.get_context('spawn'), or before the first picture"
+)
+
+
+_threads = SimpleNamespace(lost=False, alone=RLock())
+
+
+def _layer() -> str:
+    """Name what makes the threads of kernels; empty before the first has run."""
+    try:
+        return str(threading_layer())  # type: ignore[no-untyped-call]
+    except ValueError:
+        return ""
+
+
+def _after_fork() -> None:
+    """Forget a lock that a thread of the parent may hold; GNU OpenMP's threads stay behind."""
+    _threads.lost |= _layer() == "omp"
+    _threads.alone = RLock()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)
 
 
 def forget_stale_kernels(package: Path) -> None:

@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from itertools import chain
-from types import FrameType
+from types import FrameType, FunctionType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -128,11 +128,12 @@ def interpreted() -> Iterator[None]:
         (vars(module), name, value)
         for module in list(sys.modules.values())
         for name, value in vars(module).items()
-        if isinstance(value, Dispatcher) and value.py_func.__module__.startswith(KERNELS)
+        if isinstance(value, Dispatcher | FunctionType) and python_of(value) is not value
+        if python_of(value).__module__.startswith(KERNELS)
     ]
     try:
         for names, name, kernel in compiled:
-            names[name] = kernel.py_func
+            names[name] = python_of(kernel)
         with np.errstate(over="ignore"):
             yield
     finally:

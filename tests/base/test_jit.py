@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import os
+import sys
+from multiprocessing import get_context
 from pathlib import Path
+from subprocess import run
 
 import numpy as np
+import pytest
+from numba.np.ufunc.parallel import threading_layer
 
+from hsr.base.errors import HsrError
 from hsr.base.jit import forget_stale_kernels, jit, parallel_jit, prange
 
 
@@ -40,6 +47,38 @@ def test_division_by_zero_is_infinite() -> None:
 
 def test_parallel_loops() -> None:
     assert doubled(np.arange(5.0)).tolist() == [0.0, 2.0, 4.0, 6.0, 8.0]
+
+
+@pytest.mark.jit
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")
+def test_a_forked_process_says_at_once_that_it_lacks_threads() -> None:
+    doubled(np.arange(2.0))
+    with get_context("fork").Pool(1) as pool:
+        if threading_layer() == "omp":
+            with pytest.raises(HsrError, match="'spawn'"):
+                pool.apply_async(doubled, (np.arange(2.0),)).get(timeout=60)
+        else:
+            assert pool.apply_async(doubled, (np.arange(2.0),)).get(timeout=60).tolist() == [0.0, 2.0]
+        assert pool.apply_async(quotient, (1.0, 2.0)).get(timeout=60) == 0.5
+
+
+TOGETHER = """
+from concurrent.futures import ThreadPoolExecutor
+import numba, numpy as np
+from tests.base.test_jit import doubled
+
+with ThreadPoolExecutor(4) as pool:
+    for found in pool.map(doubled, [np.arange(20000.0)] * 400):
+        assert found[-1] == 39998.0
+print(numba.threading_layer())
+"""
+
+
+@pytest.mark.jit
+def test_threads_may_use_kernels_at_once_whatever_makes_their_threads() -> None:
+    environment = os.environ | {"NUMBA_THREADING_LAYER": "workqueue", "NUMBA_NUM_THREADS": "2"}
+    told = run([sys.executable, "-c", TOGETHER], env=environment, capture_output=True, text=True, check=True)
+    assert told.stdout.strip() == "workqueue"
 
 
 def test_a_changed_source_drops_the_cached_kernels_that_are_made_of_it(tmp_path: Path) -> None:
