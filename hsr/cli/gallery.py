@@ -36,6 +36,6 @@ def gallery(
     for name in turn or ():
         if name not in loaded:
             raise HsrError(f"--turn {name}: no such scene is given; there are {', '.join(loaded)}")
-    with cli.progress(quiet, len(loaded)) as step:
+    with cli.progress(quiet, len(loaded) * len(hsr.methods())) as step:
         write_gallery(loaded, make_folder(output), cli.parse_size(size), turn or (), step)
     cli.say(f"wrote {output}")

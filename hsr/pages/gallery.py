@@ -54,7 +54,7 @@ def write_gallery(
     turning : sequence of str
         Names of the scenes to show turning too, as ``NAME.webp``.
     progress : callable
-        Called with each name before its scene is measured.
+        Called before each method answers for a scene, with what is done.
 
     Raises
     ------
@@ -64,10 +64,9 @@ def write_gallery(
     """
     shown = []
     for name, scene in scenes.items():
-        progress(name)
         if name in turning:
             write_whole(folder / f"{name}.webp", turntable(scene), "the turning picture")
-        found = explained(study(scene, list(methods()), "exact", size, name=name))
+        found = explained(study(scene, list(methods()), "exact", size, name=name, progress=progress))
         if found.reference is None:
             raise HsrError(f"{name}: {found.skipped['exact']}")
         save_picture(shade(found.maps["exact"], found.view), folder / f"{name}.png")

@@ -27,8 +27,8 @@ CLOSE = 1e-3
 """Near plane of a camera inside a scene, in radii of the scene."""
 
 
-KEYS = ("eye", "target", "up", "fov", "height")
-"""What places a camera, of what can be told it; then comes what it sees, near and far."""
+KEYS = ("eye", "target", "up", "fov", "height", "near", "far")
+"""What options say of a camera: what places it, then near and far, which follow from that."""
 
 
 class Ball(NamedTuple):
@@ -98,18 +98,15 @@ def words(camera: Camera, base: Camera, ball: Ball) -> list[str] | None:
     wanted = camera.model_copy(update={"name": base.name})
     if wanted == base:
         return []
-    own = {key: value for key in (*KEYS, "near", "far") if (value := getattr(camera, key, None)) is not None}
+    own = {key: value for key, value in camera if key in KEYS and value is not None}
     new = {key: value for key, value in own.items() if value != getattr(base, key, None)}
-    placed = {key: value for key, value in new.items() if key in KEYS}
+    placed = {key: value for key, value in new.items() if key in KEYS[:5]}
     for keys in (placed, new, own):
         with suppress(ViewError, ValueError):
             if moved(base, ball, **keys) == wanted:
-                return [word for key, value in keys.items() for word in (_option(key), _spelt(value))]
+                named = ((key.replace("height", "parallel"), value) for key, value in keys.items())
+                return [word for name, value in named for word in (f"--{name}", _spelt(value))]
     return None
-
-
-def _option(key: str) -> str:
-    return "--parallel" if key == "height" else f"--{key}"
 
 
 def _spelt(value: float | Sequence[float]) -> str:
