@@ -78,7 +78,9 @@ browser:
 docs: $(VENV)/test.stamp
 	@$(BIN)/python docs/api.py reports/api
 
+# What is kept shall not lead to what is not.
 samples: $(VENV)/lab.stamp opengl
+	rm -rf reports/lab.html reports/api
 	$(BIN)/hsr compare scenes/cyclic.toml scenes/solids.toml --size 192 $(addprefix -a ,$(SAMPLED)) -o reports/sample.html
 	$(BIN)/hsr lesson --all -o reports/lessons
 	$(BIN)/hsr gallery $(addprefix scenes/,$(addsuffix .toml,$(SHOWN))) $(addprefix --turn ,$(TURNING)) -o reports/gallery

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -182,3 +183,11 @@ def test_pages_lead_to_each_other(visit: Any) -> None:
         told = {told: Path(href.removeprefix("file://")) for told, href in links}
         assert {*PAGES} - {*told} <= ({"API"} if name.startswith("API") else set())
         assert all(file.is_file() for file in told.values())
+
+
+def test_pages_that_are_kept_lead_to_pages_that_are_kept() -> None:
+    listed = subprocess.run(["git", "ls-files", "reports"], cwd=ROOT, capture_output=True, text=True).stdout
+    kept = {ROOT / name for name in listed.splitlines()}
+    for file in (file for file in kept if file.suffix == ".html"):
+        links = re.findall(r'<a href="([^"#]+)"', file.read_text(encoding="utf-8"))
+        assert {(file.parent / link).resolve() for link in links} <= kept, file
