@@ -78,7 +78,7 @@ def write_site(folder: Path, painted: Study, real: Study) -> None:
     checks.write_page(pairs, "run", ["x/gone.npz"], folder / "checks" / "report.html")
     scenes = {"cyclic": real.scene, "cube": hsr.load("cube")}
     gallery.write_gallery(scenes, folder / "gallery", (48, 48), ["cube"], lambda _: None)
-    write_course(topics(), folder / "lessons")
+    write_course({name: topics()[name] for name in ("depth-buffer", "side-by-side")}, folder / "lessons")
     cases = {"integer-overflow": ("zbuffer", "int32"), "cyclic-overlap": ("zbuffer", "painter")}
     stability.write_folder(
         [judge(family_named(name), True, names) for name, names in cases.items()], folder / "stability"
