@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import sys
 import traceback
+from io import TextIOWrapper
 from typing import Annotated
 
 from typer import Context, Exit, Option, Typer
@@ -47,6 +48,9 @@ for name, verbs in (("scene", scene_app), ("bench", bench_app), ("stability", st
 
 def main() -> None:
     """Run the command; turn every error into one line and an exit code."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # names may have characters that the terminal has not
+            stream.reconfigure(errors="backslashreplace")
     try:
         app()
     except HsrError as error:

@@ -13,6 +13,7 @@ import hsr
 from hsr.base.errors import SceneError
 from hsr.base.files import write_whole
 from hsr.cli import common as cli
+from hsr.scene.names import printable
 
 SchemaFile = Annotated[Path | None, Argument(help="File to write; standard output by default.")]
 
@@ -59,7 +60,7 @@ def check(files: cli.SceneFiles, as_json: cli.Json = False, quiet: cli.Quiet = F
             hsr.load(file)
         except SceneError as error:
             problems[str(file)] += error.problems
-    lines = ("\n".join(found) or f"{name}: ok" for name, found in problems.items())
+    lines = ("\n".join(found) or f"{printable(name)}: ok" for name, found in problems.items())
     cli.tell(as_json, "scene-check", {"problems": problems}, () if quiet else lines)
     if any(problems.values()):
         raise Exit(cli.USAGE)

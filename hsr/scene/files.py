@@ -72,11 +72,13 @@ def load(path: str | Path) -> Scene:
     path = Path(path)
     if not path.suffix and not path.exists():
         path = named(str(path), built_in(), "there is no file and no built-in scene", SceneError)
-    ending = ending_of(path)
+    ending, shown = ending_of(path), printable(str(path))
+    if any("\ud800" <= c <= "\udfff" for c in str(path)):
+        raise SceneError(f"{shown}: its name is not text in UTF-8; rename it")
     if ending not in SCENES + MESHES:
-        raise SceneError(f"{path}: not a scene or mesh file; the endings are {' '.join(SCENES + MESHES)}")
+        raise SceneError(f"{shown}: not a scene or mesh file; the endings are {' '.join(SCENES + MESHES)}")
     read = _read_scene if ending in SCENES else _gltf_scene if ending in GLTF else _mesh_scene
-    with _prefixed(f"{path}: "):
+    with _prefixed(f"{shown}: "):
         _check_file(path, built_in() if path.parent == Path() else ())
         return read(path).located(path.parent, str(path))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 
 import hsr
 from hsr.algorithms import registry
+from hsr.scene.names import printable
 
 CUBE = "scenes/cube.toml"
 
@@ -99,3 +101,20 @@ def test_a_mistake_of_the_program_is_one_line_and_70(
     code, out, problem = run(*verb)
     assert code == 70 and out == "" and problem.count("\n") == 1
     assert problem.startswith("hsr: a mistake of the program, please report it: KeyError: 'no such thing' (")
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "utf-8"])
+def test_names_may_have_any_characters(tmp_path: Path, encoding: str) -> None:
+    names = ["gr\xfc\xdfe \U0001f600.obj", "nbsp\xa0.obj", "no\x07bell.obj"]
+    for name in names:
+        (tmp_path / name).write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    for arguments in (["check", *names], ["info", names[0]]):
+        done = subprocess.run(
+            [sys.executable, "-m", "hsr.cli", "scene", *arguments],
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONIOENCODING": encoding, "PYTHONPATH": os.pathsep.join(sys.path)},
+            capture_output=True,
+        )
+        assert (done.returncode, done.stderr) == (0, b"")
+        (*lines, last) = done.stdout.decode(encoding).split("\n")
+        assert lines and last == "" and [*map(printable, lines)] == lines

@@ -159,6 +159,13 @@ def test_a_name_too_long_for_the_system(tmp_path: Path) -> None:
         load(tmp_path / ("a" * 300 + ".toml"))
 
 
+def test_a_name_that_no_file_of_ours_can_hold(tmp_path: Path) -> None:
+    path = tmp_path / os.fsdecode(b"caf\xe9.obj")
+    path.write_text(TRIANGLE)
+    with pytest.raises(SceneError, match=r"caf\\udce9.obj: its name is not text in UTF-8; rename it$"):
+        load(path)
+
+
 def test_a_folder_is_no_scene(tmp_path: Path) -> None:
     (tmp_path / "a.toml").mkdir()
     assert problems_of(tmp_path / "a.toml") == ["this is a folder; name a file in it"]
