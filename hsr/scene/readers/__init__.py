@@ -22,7 +22,7 @@ READERS = {".obj": read_obj, ".off": read_off, ".ply": read_ply, ".stl": read_st
 def read_faces(path: Path) -> Faces:
     """Read an OBJ, OFF, PLY or STL file.
 
-    While it reads, it holds at most 20 bytes for each byte of the file, unpacked.
+    While it reads, it holds at most 20 bytes for each byte of the file, unpacked; 100 if that is strips.
 
     Parameters
     ----------
