@@ -289,15 +289,14 @@ def _mesh_scene(path: Path) -> Scene:
 
 def _gltf_scene(path: Path) -> Scene:
     """Make an object of every node with a mesh, and a camera of every node with one."""
-    nodes = _document(path, _version(path)).nodes
+    document = _document(path, _version(path))
     things = [
         Mesh(name=node.name, shape="mesh", file=path.name, part=node.part, transform=node.steps)
-        for node in nodes
-        if node.part is not None
+        for node in document.nodes
     ]
     if not things:
         raise SceneError("no node of its scene has a mesh with triangles")
-    return _scene_of(things, [node.camera for node in nodes if node.camera is not None], path)
+    return _scene_of(things, document.cameras, path)
 
 
 def _scene_of(things: Sequence[Mesh], cameras: Sequence[Camera], path: Path) -> Scene:

@@ -162,10 +162,9 @@ class Arrays:
         entry(self._tree, "buffers", view["buffer"])
         content = self._buffers[view["buffer"]]
         if content is None:
-            how = ", ".join(view.get("extensions", ())) or "nothing"
-            raise SceneError(
-                f"buffers[{view['buffer']}] has no data ({how} is read in its place); export it uncompressed"
-            )
+            how = ", ".join(view.get("extensions", ()))
+            how = f"is compressed by {how}; export it uncompressed" if how else "has no data"
+            raise SceneError(f"bufferViews[{index}] {how}")
         size = np.dtype(component).itemsize
         start, stride = view.get("byteOffset", 0), view.get("byteStride") or size * width
         offset, length = place.get("byteOffset", 0), view["byteLength"]

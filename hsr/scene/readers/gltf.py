@@ -12,6 +12,7 @@ import json
 import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from functools import cached_property
 from itertools import count, takewhile
 from pathlib import Path
@@ -27,7 +28,7 @@ from hsr.scene.meshes import Faces, joined, strip_triangles
 from hsr.scene.model import Camera, Orthographic, Perspective, Step
 from hsr.scene.names import printable, unique
 from hsr.scene.readers.accessors import MAGIC, Arrays, chunks, entry
-from hsr.scene.readers.source import content_of, ending_of, reading
+from hsr.scene.readers.source import content_of, ending_of, plain, reading
 from hsr.scene.transforms import compose, placed
 from hsr.scene.validation import lines_of
 
@@ -53,7 +54,7 @@ DEEPEST = 500
 
 
 class Node(NamedTuple):
-    """A node with a mesh or a camera, as it stands in the world.
+    """A node with a mesh, as it stands in the world.
 
     Attributes
     ----------
@@ -62,17 +63,13 @@ class Node(NamedTuple):
     steps : tuple of Step
         From the node to the world: its own scale, rotation and translation, its parent's, and so on; none
         if a skin moves the mesh into the world.
-    part : str or None
-        Name of its mesh, if that has triangles.
-    camera : Camera or None
-        Its aspect ratio is that of the image. As the specification says, the scale of its node and
-        of the parents does not count.
+    part : str
+        Name of its mesh, as the node bends it.
     """
 
     name: str
     steps: tuple[Step, ...]
-    part: str | None
-    camera: Camera | None
+    part: str
 
 
 class Geometry(NamedTuple):
@@ -99,7 +96,10 @@ class Document:
     Attributes
     ----------
     nodes : list of Node
-        Those of the default scene that carry something, parents first.
+        Those of the default scene that show triangles, parents first.
+    cameras : list of Camera
+        Those of the default scene that can take a picture. Their aspect ratio is that of the image. As the
+        specification says, the scale of a camera's node and of the parents does not count.
     """
 
     def __init__(self, path: Path) -> None:
@@ -109,14 +109,15 @@ class Document:
             content = content_of(path)
             packed = content.startswith(MAGIC) or ending_of(path) == ".glb"
             text, *chunk = chunks(content) if packed else [content]
-            self._tree: dict[str, Any] = json.loads(text.decode("utf-8-sig", errors="replace"))
+            self._tree: dict[str, Any] = json.loads(plain(text).decode(errors="replace"))
             self._required = set(self._tree.get("extensionsRequired", ()))
             self._refuse()
             self._arrays = Arrays(self._tree, path.parent, chunk)
-            chains = [chain for chain in self._walk() if {"mesh", "camera"} & self._table(chain[0]).keys()]
+            chains = [chain for chain in self._walk() if not any(self._flat[k] for k in chain)]
             self._names = self._named_parts(chain[0] for chain in chains)
             self._parts = {name: geometry for geometry, name in self._names.items()}
-            self.nodes = self._named_nodes(chains)
+            self.nodes = self._shown(chains)
+            self.cameras = self._lenses(chains)
 
     def faces(self, part: str | None = None) -> Faces:
         """Return one mesh in its own frame, or all nodes' meshes in the world (rounded).
@@ -127,7 +128,7 @@ class Document:
             If no mesh with triangles has the name ``part``, or there is none at all.
         """
         if part is None:
-            return joined([_moved(self._part(node.part), node.steps) for node in self.nodes if node.part])
+            return joined([_moved(self._part(node.part), node.steps) for node in self.nodes])
         faces = self._part(printable(part)) if printable(part) in self._parts else None
         if faces is None or not len(faces.sides):
             raise SceneError(f"no part is named {part!r}; it has {', '.join(self._parts) or 'none'}")
@@ -146,14 +147,17 @@ class Document:
         if unknown:
             raise SceneError(f"it requires {', '.join(unknown)}; export it without extensions")
 
+    def _entry(self, key: str, index: Any) -> dict[str, Any]:
+        return entry(self._tree, key, index)
+
     def _table(self, node: int) -> dict[str, Any]:
-        return entry(self._tree, "nodes", node)
+        return self._entry("nodes", node)
 
     # ------------------------------------------------------------ nodes
 
     def _roots(self) -> list[int]:
         if self._tree.get("scenes"):
-            return list(entry(self._tree, "scenes", self._tree.get("scene", 0)).get("nodes", []))
+            return list(self._entry("scenes", self._tree.get("scene", 0)).get("nodes", []))
         return [k for k in range(len(self._tree.get("nodes", []))) if k not in self._parents]
 
     @cached_property
@@ -179,37 +183,41 @@ class Document:
             yield chain
             ahead += [(child, *chain) for child in reversed(self._table(chain[0]).get("children", []))]
 
-    def _named_nodes(self, chains: Sequence[tuple[int, ...]]) -> list[Node]:
-        """Return what the nodes carry; those that are hidden or of no size carry nothing."""
-        found: list[tuple[int, tuple[Step, ...], str | None]] = []
+    def _shown(self, chains: Iterable[tuple[int, ...]]) -> list[Node]:
+        """Return what nodes show, once for each instance."""
+        found = []
         for chain in chains:
-            if not any(self._flat[k] for k in chain):
-                part = self._part_name(chain)
-                found += [(chain[0], steps, part) for steps in self._placings(chain, part)]
-        names = unique([self._name(k) for k, _, _ in found])
-        return [
-            Node(name, steps, part, self._camera(k, name, steps))
-            for name, (k, steps, part) in zip(names, found, strict=True)
-        ]
+            tables = [self._table(k) for k in chain]
+            switches = [table.get("extensions", {}).get(VISIBILITY, {}) for table in tables]
+            if "mesh" in tables[0] and all(switch.get("visible", True) for switch in switches):
+                part = self._names[self._geometry(chain[0])]
+                placings = self._placings(chain) if len(self._part(part).sides) else ()
+                found += [(self._name(chain[0]), steps, part) for steps in placings]
+        names = unique([name for name, _, _ in found])
+        return [Node(name, steps, part) for name, (_, steps, part) in zip(names, found, strict=True)]
 
-    def _placings(self, chain: tuple[int, ...], part: str | None) -> list[tuple[Step, ...]]:
+    def _placings(self, chain: tuple[int, ...]) -> list[tuple[Step, ...]]:
         """Return the ways from a node, or from each of its instances, to the world."""
         table = self._table(chain[0])
-        instances = table.get("extensions", {}).get(INSTANCES) if part else None
-        if part and "skin" in table:
+        instances = table.get("extensions", {}).get(INSTANCES)
+        if "skin" in table:
             if instances:
                 raise SceneError(f"node {chain[0]} has a skin and instances; export it without one of them")
             return [()]
-        steps = tuple(step for k in chain for step in self._own_steps(k))
+        steps = self._steps(chain)
         if instances is None:
             return [steps]
-        given = [(word, key, kind) for word, key, kind in TRS if key in instances["attributes"]]
+        own = instances["attributes"]
+        given = [(word, own[key], kind) for word, key, kind in TRS if key in own]
         if not given:
             raise SceneError(f"node {chain[0]} has instances without transforms")
-        size = entry(self._tree, "accessors", instances["attributes"][given[0][1]])["count"]
-        arrays = [self._arrays.read(instances["attributes"][key], kind, size) for _, key, kind in given]
-        rows = [{given[k][0]: array[row].tolist() for k, array in enumerate(arrays)} for row in range(size)]
+        size = self._entry("accessors", given[0][1])["count"]
+        columns = {word: self._arrays.read(index, kind, size).tolist() for word, index, kind in given}
+        rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
         return [_steps(row) + steps for row in rows if not _is_flat(row)]
+
+    def _steps(self, chain: tuple[int, ...]) -> tuple[Step, ...]:
+        return tuple(step for k in chain for step in self._own_steps(k))
 
     def _own_steps(self, k: int) -> tuple[Step, ...]:
         try:
@@ -218,24 +226,25 @@ class Document:
             raise SceneError(f"node {k}: {lines_of(error)[0]}") from None
 
     def _name(self, k: int) -> str:
-        """Name a node, or else what it carries."""
+        """Name a node, or else its mesh."""
         table = self._table(k)
-        if table.get("name"):
-            return str(table["name"])
-        if "mesh" in table:
-            return self._mesh_names[int(table["mesh"])]
-        return str(entry(self._tree, "cameras", table["camera"]).get("name") or f"camera {table['camera']}")
+        return str(table.get("name") or self._mesh_names[int(table["mesh"])])
 
-    def _camera(self, k: int, name: str, steps: tuple[Step, ...]) -> Camera | None:
-        """Return the camera of a node, if it is one that can take a picture."""
-        if "camera" not in self._table(k):
-            return None
-        try:
-            camera = _camera(entry(self._tree, "cameras", self._table(k)["camera"]), name, steps)
-            projection_of(camera, aspect=1.0)
-        except (HsrError, ArithmeticError, LookupError, TypeError, ValueError):
-            return None
-        return camera
+    def _lenses(self, chains: Iterable[tuple[int, ...]]) -> list[Camera]:
+        """Return the cameras; one that cannot take a picture is left out, for nobody may ever ask for it."""
+        found, cameras = [], []
+        for chain in chains:
+            table = self._table(chain[0])
+            with suppress(SceneError):
+                lens = self._entry("cameras", table.get("camera"))
+                name = table.get("name") or lens.get("name") or f"camera {table['camera']}"
+                found.append((str(name), lens, chain))
+        for name, (_, lens, chain) in zip(unique([name for name, _, _ in found]), found, strict=True):
+            with suppress(HsrError, ArithmeticError, LookupError, TypeError, ValueError):
+                camera = _camera(lens, name, self._steps(chain))
+                projection_of(camera, aspect=1.0)
+                cameras.append(camera)
+        return cameras
 
     # ------------------------------------------------------------ meshes
 
@@ -259,19 +268,8 @@ class Document:
 
     def _geometry(self, k: int) -> Geometry:
         table = self._table(k)
-        weights = table.get("weights", entry(self._tree, "meshes", table["mesh"]).get("weights", ()))
+        weights = table.get("weights", self._entry("meshes", table["mesh"]).get("weights", ()))
         return Geometry(table["mesh"], tuple(weights), k if "skin" in table else None)
-
-    def _part_name(self, chain: tuple[int, ...]) -> str | None:
-        """Return the name of what a node shows."""
-        tables = [self._table(k) for k in chain]
-        visible = all(
-            table.get("extensions", {}).get(VISIBILITY, {}).get("visible", True) for table in tables
-        )
-        if "mesh" not in tables[0] or not visible:
-            return None
-        name = self._names[self._geometry(chain[0])]
-        return name if len(self._part(name).sides) else None
 
     def _part(self, name: str) -> Faces:
         if name not in self._read:
@@ -280,28 +278,28 @@ class Document:
 
     def _faces(self, geometry: Geometry) -> Faces:
         """Return the triangles, primitive after primitive; some share their vertices."""
-        vertices: dict[str, Floats] = {}
-        start: dict[str, int] = {}
+        vertices, size = [np.empty((0, 3))], 0
+        starts: dict[str, tuple[int, int]] = {}
         triangles = [np.empty((0, 3), np.int64)]
-        for primitive in entry(self._tree, "meshes", geometry.mesh)["primitives"]:
+        for primitive in self._entry("meshes", geometry.mesh)["primitives"]:
             if primitive.get("mode", TRIANGLES) < TRIANGLES or "POSITION" not in primitive["attributes"]:
                 continue
             key = json.dumps([primitive["attributes"], primitive.get("targets")])
-            if key not in vertices:
-                start[key] = sum(map(len, vertices.values()))
-                vertices[key] = self._vertices(primitive, geometry)
-            triangles.append(self._triangles(primitive, len(vertices[key])) + start[key])
-        return Faces.of_rows(
-            np.concatenate([np.empty((0, 3)), *vertices.values()]), np.concatenate(triangles)
-        )
+            if key not in starts:
+                vertices.append(self._vertices(primitive, geometry))
+                starts[key] = size, len(vertices[-1])
+                size += len(vertices[-1])
+            start, count = starts[key]
+            triangles.append(start + self._triangles(primitive, count))
+        return Faces.of_rows(np.concatenate(vertices), np.concatenate(triangles))
 
     def _vertices(self, primitive: dict[str, Any], geometry: Geometry) -> Floats:
         """Return positions (n, 3) as morph targets and the skin move them."""
-        attributes, needed = primitive["attributes"], [primitive["attributes"]["POSITION"]]
-        needed += [primitive["indices"]] if "indices" in primitive else []
-        there = all(map(self._arrays.has_data, needed))
-        if DRACO in primitive.get("extensions", {}) and (DRACO in self._required or not there):
-            raise SceneError(f"it is compressed by {DRACO}, which is not read; export it uncompressed")
+        attributes, others = primitive["attributes"], primitive.get("extensions", {})
+        needed = [attributes["POSITION"], *([primitive["indices"]] if "indices" in primitive else ())]
+        if not all(map(self._arrays.has_data, needed)) or (DRACO in others and DRACO in self._required):
+            how = f"is compressed by {', '.join(others)}; export it uncompressed" if others else "has no data"
+            raise SceneError(f"a primitive {how}")
         position = self._arrays.read(attributes["POSITION"], "VEC3").astype(np.float64)
         for weight, target in zip(geometry.weights, primitive.get("targets", ()), strict=False):
             if weight and "POSITION" in target:
@@ -312,7 +310,7 @@ class Document:
         """Move vertices into the world: each by the mean of its joints' matrices, as it weighs them."""
         if "JOINTS_0" not in attributes:
             raise SceneError(f"node {node} has a skin, and its mesh has no joints; export it without skin")
-        skin = entry(self._tree, "skins", self._table(node)["skin"])
+        skin = self._entry("skins", self._table(node)["skin"])
         matrices = np.array([self._world(joint) for joint in skin["joints"]])
         if "inverseBindMatrices" in skin:
             columns = self._arrays.read(skin["inverseBindMatrices"], "MAT4")
@@ -348,9 +346,7 @@ class Document:
         if mode == STRIP:
             return strip_triangles(corner, np.array([len(corner)]))
         if mode == FAN:
-            return np.stack(
-                [np.full_like(corner[2:], corner[0] if len(corner) else 0), corner[1:-1], corner[2:]], axis=1
-            )
+            return np.stack([np.full_like(corner[2:], corner[:1]), corner[1:-1], corner[2:]], axis=1)
         if len(corner) % 3:
             raise SceneError(f"a primitive has {len(corner)} corners, which make no whole triangles")
         return corner.reshape(-1, 3)

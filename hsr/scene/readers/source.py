@@ -13,6 +13,7 @@ from math import nan
 from pathlib import Path
 
 from hsr.base.errors import SceneError
+from hsr.scene.names import printable
 
 PACKED = ".gz"
 
@@ -76,10 +77,13 @@ def reading(path: Path) -> Iterator[None]:
             # What NumPy only warns of would go into the mesh as numbers of no meaning.
             warnings.simplefilter("error")
             yield
-    except (SceneError, OSError):
+    except SceneError as error:
+        # Names that a file gives may have any characters.
+        raise SceneError([*map(printable, error.problems)]) from error.__cause__
+    except OSError:
         raise
     except Exception as error:
-        reason = " ".join(f"{type(error).__name__}: {error}".split())
+        reason = printable(" ".join(f"{type(error).__name__}: {error}".split()))
         name = ending_of(path).upper().removeprefix(".")
         raise SceneError(f"not a readable {name} file ({reason})") from error
 

@@ -125,6 +125,13 @@ def test_words_that_are_numbers() -> None:
                 read(word)
 
 
+def test_names_in_errors_are_printable(tmp_path: Path) -> None:
+    path = tmp_path / "a.ply"
+    path.write_bytes(b"ply\nformat ascii 1.0\nelement \x1d\x85 2\nproperty int x\nend_header\n")
+    with pytest.raises(SceneError, match=r"row 0 .* of element \\x1d\\x85$"):
+        read_faces(path)
+
+
 @pytest.mark.parametrize("ending", READERS)
 def test_errors_of_readers_are_one_line(tmp_path: Path, ending: str, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / f"a{ending}"
