@@ -247,14 +247,9 @@ def _joined_shapes(geometry: Geometry) -> _Shapes:
     objects["first_face"] = [one.first for one in geometry]
     objects["cull"] = [one.cull for one in geometry]
     objects["mirrored"] = [one.mirrored for one in geometry]
-    return _Shapes(
-        np.concatenate(planes),
-        np.concatenate(vertices),
-        np.concatenate(triangles),
-        np.concatenate(nodes),
-        objects,
-        np.asarray(np.linalg.inv(geometry.matrices[:, :3, :3]), np.float64),
-    )
+    inverse = np.asarray(np.linalg.inv(geometry.matrices[:, :3, :3]), np.float64)
+    joint = np.concatenate(planes), np.concatenate(vertices), np.concatenate(triangles), np.concatenate(nodes)
+    return _Shapes(*joint, objects, inverse)
 
 
 def _rows(parts: list[Array]) -> int:

@@ -28,16 +28,11 @@ def init(mesh: cli.SceneFile, output: cli.SceneOutput = None) -> None:
 
         hsr scene init bunny.obj -o bunny.toml
     """
-    from hsr.scene.writing import to_toml
+    from hsr.scene.writing import to_toml, with_files
 
     loaded = hsr.load(mesh)
     folder = Path(os.path.relpath(loaded.folder, output.parent if output else "."))
-    things = (
-        thing.model_copy(update={"file": (folder / file).as_posix()}) if file else thing
-        for thing in loaded.object
-        for file in [getattr(thing, "file", None)]
-    )
-    text = to_toml(loaded.model_copy(update={"object": tuple(things)}), explained=True)
+    text = to_toml(with_files(loaded, lambda file: (folder / file).as_posix()), explained=True)
     if output is None:
         print(text, end="")
     else:

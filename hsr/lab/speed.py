@@ -137,15 +137,8 @@ def measure(
     for case in cases:
         contest = [Contestant(method, case, _reason_to_sit_out(method, case, patience)) for method in chosen]
         rows += _measure_case(case, contest, turns, explain, progress or (lambda _: None))
-    return Results(
-        hsr=1,
-        kind="bench",
-        date=datetime.now(UTC).isoformat(timespec="seconds"),
-        commit=commit(),
-        repeat=turns,
-        machine=machine(),
-        rows=tuple(rows),
-    )
+    day, on = datetime.now(UTC).isoformat(timespec="seconds"), machine()
+    return Results(hsr=1, kind="bench", date=day, commit=commit(), repeat=turns, machine=on, rows=tuple(rows))
 
 
 def _measure_case(

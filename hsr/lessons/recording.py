@@ -233,10 +233,8 @@ class _Recorder:
         if self.at.get(frame) == statement:
             return
         if len(self.steps) == MOST_STEPS:
-            raise MethodError(
-                f"more than {MOST_STEPS:,} steps are too many to record; "
-                "take a scene of fewer faces, such as scenes/cube.toml"
-            )
+            told = f"more than {MOST_STEPS:,} steps are too many to record"
+            raise MethodError(f"{told}; take a scene of fewer faces, such as scenes/cube.toml")
         self.at[frame] = statement
         for beat in self.probe.beats:
             if source.name == beat.function.__name__ and begins(source.lines[statement], beat.line):

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from hsr.base.errors import SceneError
 from hsr.base.files import write_whole
-from hsr.scene.model import Scene
+from hsr.scene.model import Mesh, Scene
 from hsr.scene.values import Description
 
 INDENT = "  "
@@ -52,6 +52,15 @@ def write_scene(scene: Scene, path: str | Path) -> None:
         If the file cannot be written.
     """
     write_whole(path, to_toml(scene), "the scene", SceneError)
+
+
+def with_files(scene: Scene, name: Callable[[str], str]) -> Scene:
+    """Return a scene whose mesh files are named in another way, such as from another folder."""
+    things = (
+        one.model_copy(update={"file": name(one.file)}) if isinstance(one, Mesh) and one.file else one
+        for one in scene.object
+    )
+    return scene.model_copy(update={"object": tuple(things)})
 
 
 def _is_tables(value: Any) -> bool:

@@ -16,8 +16,7 @@ from hsr.pages.inspector import fragment
 from hsr.pages.stories import Shown
 from hsr.pictures.png import save_picture
 from hsr.problem.map import VisibilityMap
-from hsr.scene.model import Mesh, Object, Scene
-from hsr.scene.writing import write_scene
+from hsr.scene.writing import with_files, write_scene
 from hsr.testing.baselines import FOLDER, SUFFIXES, contents, file_stem, match, variants, write
 from hsr.testing.checks import MIN_SIMILARITY, agreement, compared
 from hsr.testing.judging import Judgement, Maps, Showing, let_through, subject_of
@@ -270,7 +269,7 @@ class Visibility:
             return "", ""
         written = self._results / self._file(check, "scene.toml")
         if not judgement.subject.file:
-            write_scene(_absolute(scene), written)
+            write_scene(with_files(scene, lambda file: str((scene.folder / file).resolve())), written)
         shown = self._seen_from_root(self._results / check.shown)
         how = partial(judgement.command, self._seen_from_root(written), shown)
         return how(), how("X,Y")
@@ -327,14 +326,3 @@ def _compared(key: str, judgement: Judgement, command: str) -> Shown:
     why = {} if judgement.causes is None else {name: judgement.causes}
     maps = {expected: found.b, name: found.a}
     return Shown(key, subject.view if subject else None, maps, expected, {name: found}, why, command=command)
-
-
-def _absolute(scene: Scene) -> Scene:
-    """Return a scene that may be written anywhere: its mesh files are named from the root."""
-
-    def moved(thing: Object) -> Object:
-        if not isinstance(thing, Mesh) or not thing.file:
-            return thing
-        return thing.model_copy(update={"file": str((scene.folder / thing.file).resolve())})
-
-    return scene.model_copy(update={"object": tuple(map(moved, scene.object))})
