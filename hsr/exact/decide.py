@@ -145,7 +145,7 @@ def directions(pieces: Sequence[Piece], i: int, j: int) -> Iterator[Direction]:
             local = polynomial.compose(I + i, J + j, ctx=IMAGE)
             rays.update(tangents(local))
             curved = curved or local.total_degree() > 1
-    around = sorted(rays, key=_turn)
+    around = sorted(rays, key=turn)
     if curved:
         yield from around
     for one, other in pairwise([*around, *around[:1]]):
@@ -181,7 +181,7 @@ def _roots(factor: fmpz_poly) -> list[Direction]:
     return [(dx, dy) for dy, dx in slopes]
 
 
-def _turn(direction: Direction) -> Fraction:
+def turn(direction: Direction) -> Fraction:
     """Return what grows with the angle: 0 to the right, 1 upwards, 2 to the left, 3 downwards."""
     x, y = direction
     share = Fraction(x, abs(x) + abs(y))

@@ -13,7 +13,7 @@ det zeta: an affine function of the sample as well.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import gcd
 
@@ -71,10 +71,10 @@ class Triangles:
         """Name the plane of a triangle."""
         return plane_name([*self.zeta[triangle], -self.det[triangle]])
 
-    def piece(self, triangle: int, halves: Iterable[int] = range(HALVES)) -> Piece:
-        """Return a triangle, or the intersection of some of its half-planes, as a piece."""
+    def piece(self, triangle: int) -> Piece:
+        """Return a triangle as a piece."""
         zeta = Surd(affine(self.zeta[triangle]), NOTHING, NOTHING, constant(self.det[triangle]))
-        extent = tuple(affine(half) for half in self.half[triangle, list(halves)] if bounds(half))
+        extent = tuple(affine(half) for half in self.half[triangle] if bounds(half))
         return Piece(int(self.face[triangle]), self.plane(triangle), zeta, extent, number=triangle)
 
 

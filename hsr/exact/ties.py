@@ -9,6 +9,7 @@ they come. Each situation is decided once.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,7 @@ from hsr.exact.decide import Answer, decide
 from hsr.exact.filter import Candidates
 from hsr.exact.planes import HALVES
 from hsr.exact.problem import Problem
+from hsr.exact.sectors import Corner, decide_flat
 
 CHUNK = 1 << 17
 """Candidates whose integers are held at a time."""
@@ -199,17 +201,18 @@ def _by_situation(problem: Problem, sample: Array, code: Array) -> Iterator[Verd
     for length in np.flatnonzero(np.bincount(count)):
         these = first[count == length]
         rows = code[these[:, None] + np.arange(length)]
-        situations, example, which = np.unique(rows, axis=0, return_index=True, return_inverse=True)
-        i, j = problem.frame.exactly_at(sample[these[example]])
-        answers = [_decide_situation(problem, *case) for case in zip(situations, i, j, strict=True)]
+        situations, which = np.unique(rows, axis=0, return_inverse=True)
+        answers = [_decide_situation(problem, situation) for situation in situations]
         yield Verdicts(sample[these], which, answers)
 
 
-def _decide_situation(problem: Problem, situation: Array, i: int, j: int) -> Answer:
-    """Decide by one of its samples; only half-planes met there bound what is near by."""
-    pieces = []
+def _decide_situation(problem: Problem, situation: Array) -> Answer:
+    """Decide what is alike at all its samples: only half-planes that are met there bound what is near by."""
+    triangles, corners = problem.triangles, []
     for code in situation.tolist():
-        edges = code >> LEVEL_BITS & (1 << HALVES) - 1
-        halves = [k for k in range(HALVES) if edges >> k & 1]
-        pieces.append(problem.triangles.piece(code >> LEVEL_BITS + HALVES, halves))
-    return decide(pieces, i, j, problem.frame.nearer)
+        number, edges = code >> LEVEL_BITS + HALVES, code >> LEVEL_BITS & (1 << HALVES) - 1
+        (a, b, _), det = triangles.zeta[number], triangles.det[number] * -problem.frame.nearer
+        met = [(a, b) for k, (a, b, _) in enumerate(triangles.half[number]) if edges >> k & 1 and (a or b)]
+        slope, level = (Fraction(a, det), Fraction(b, det)), code & (1 << LEVEL_BITS) - 1
+        corners.append(Corner(number, int(triangles.face[number]), level, slope, met))
+    return decide_flat(corners)
