@@ -14,23 +14,23 @@ from hsr.pages.packing import pack_json
 from hsr.scene.model import Scene
 
 
-def write_lesson(topic: Topic, path: str | Path, scene: Scene | None = None) -> None:
+def write_lesson(
+    topic: Topic, path: str | Path, scene: Scene | None = None, beside: Mapping[str, str] | None = None
+) -> None:
     """Write a lesson as one HTML file that needs no network.
 
     Parameters
     ----------
     scene : Scene, optional
         In place of the topic's own.
+    beside : mapping of str to str, optional
+        What the page leads to, and where that lies.
 
     Raises
     ------
     HsrError
         If the scene is too large to be recorded, or the file cannot be written.
     """
-    _write(topic, path, scene, {})
-
-
-def _write(topic: Topic, path: str | Path, scene: Scene | None, beside: Mapping[str, str]) -> None:
     told: dict[str, Any] = {"lead": topic.lead, "recording": pack_json(lesson_of(topic, scene))}
     text = page("lesson", path, topic.title, style("lesson.css"), ["lesson.js"], beside=beside, **told)
     write_whole(path, text, "the lesson")
@@ -55,4 +55,4 @@ def write_course(course: Mapping[str, Topic], folder: str | Path) -> None:
     title = "Which surface does the eye see? A course"
     write_whole(path, page("course", path, title, style("course.css"), course=course), "the list of lessons")
     for name, topic in course.items():
-        _write(topic, Path(folder, f"{name}.html"), None, {"Lessons": "index.html"})
+        write_lesson(topic, Path(folder, f"{name}.html"), beside={"Lessons": "index.html"})
