@@ -55,6 +55,16 @@ class VisibilityError(HsrError, AssertionError):
     """Maps differ by more than a test allows; the message says by what, where and why."""
 
 
+def told_briefly(error: Exception) -> str:
+    """Say in one line what an error says; of pydantic's errors the first, and where."""
+    text, told = str(error), getattr(error, "errors", None)
+    if callable(told):
+        first = told()[0]
+        said = first["msg"].removeprefix("Value error, ")
+        text = ": ".join(filter(None, (".".join(map(str, first["loc"])), said)))
+    return " ".join(text.split()) or type(error).__name__
+
+
 def nearest(word: object, known: Iterable[str]) -> str:
     """Return ``did you mean ...? `` if a known word is near, else nothing."""
     near = difflib.get_close_matches(word, known, n=1) if isinstance(word, str) else []

@@ -423,14 +423,15 @@ def agreed_depths(a: VisibilityMap, b: VisibilityMap) -> tuple[Array, Floats, Fl
 
 def _classify(a: VisibilityMap, b: VisibilityMap) -> tuple[Pixels, DepthError]:
     other = a.face != b.face
-    classes = np.where(other, np.uint8(SampleClass.WRONG_FACE), np.uint8(SampleClass.SAME))
+    classes = np.full(other.shape, SampleClass.SAME, dtype=np.uint8)
+    classes[other] = SampleClass.WRONG_FACE
     classes[other & (a.face == BACKGROUND)] = SampleClass.MISSING
     classes[other & (b.face == BACKGROUND)] = SampleClass.EXTRA
     classes[other & b.admits(a.face)] = SampleClass.TIE
     if not (a.tells_depth and b.tells_depth):
         return classes, DepthError()
     samples, depth_a, depth_b = agreed_depths(a, b)
-    with np.errstate(invalid="ignore"):  # a face at infinite depth: no number, so no gap
+    with np.errstate(invalid="ignore", over="ignore"):  # a face at infinite depth: no number, so no gap
         gap = np.abs(depth_a - depth_b)
         allowed = (a.width + a.height) / 2.0 * (depth_step(a, depth_a) + depth_step(b, depth_b))
     known = np.isfinite(gap)
@@ -441,5 +442,9 @@ def _classify(a: VisibilityMap, b: VisibilityMap) -> tuple[Pixels, DepthError]:
 def _depth_error(gap: Floats, samples: Array, width: int) -> DepthError:
     if not len(gap):
         return DepthError()
-    worst, rms = int(gap.argmax()), math.sqrt(float(np.square(gap).mean()))
-    return DepthError(len(gap), float(gap[worst]), float(gap.mean()), rms, divmod(int(samples[worst]), width))
+    worst = int(gap.argmax())
+    most = float(gap[worst])
+    share = gap / (most or 1.0)  # squares of what is at most 1 are finite
+    rms = most * math.sqrt(float(np.square(share).mean()))
+    where = divmod(int(samples[worst]), width)
+    return DepthError(len(gap), most, most * float(share.mean()), rms, where)

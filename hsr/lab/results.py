@@ -13,7 +13,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from hsr.base.errors import HsrError
+from hsr.base.errors import HsrError, told_briefly
 
 FEWEST = 3
 """Turns without which a median has no interval worth the name."""
@@ -218,7 +218,5 @@ def load_results(path: str | Path) -> Results:
     except OSError as error:
         raise HsrError(f"{path}: cannot read the results: {error.strerror}") from error
     except ValidationError as error:
-        first = error.errors()[0]
-        what = f"{'.'.join(map(str, first['loc'])) or 'the file'}: {first['msg']}"
-        told = f"{path}: no benchmark results of version 1 ({what}); measure with 'hsr bench'"
+        told = f"{path}: no benchmark results of version 1 ({told_briefly(error)}); measure with 'hsr bench'"
         raise HsrError(told) from None

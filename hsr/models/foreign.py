@@ -109,5 +109,5 @@ def has_model(map: VisibilityMap) -> bool:
 
 def told_of(map: VisibilityMap) -> str:
     """Write the model that a map notes: ``float32, subpixel_bits 4``; empty if it notes none."""
-    name, *parameters = map.notes.get(MODEL, {MODEL: ""}).items()
-    return ", ".join([name[1], *(f"{what} {value}" for what, value in parameters)])
+    told = dict(map.notes.get(MODEL, {MODEL: ""}))
+    return ", ".join([told.pop(MODEL), *(f"{what} {value}" for what, value in told.items())])

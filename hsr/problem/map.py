@@ -13,11 +13,12 @@ from io import BytesIO
 from operator import itemgetter
 from pathlib import Path
 from typing import Any, NamedTuple
+from zipfile import is_zipfile
 
 import numpy as np
 
 from hsr.base.arrays import Array, Bools, Floats, Ints
-from hsr.base.errors import MapError
+from hsr.base.errors import MapError, told_briefly
 from hsr.base.files import digest_of, write_whole
 
 BACKGROUND = -1
@@ -29,8 +30,8 @@ FORMAT = 1
 NO_DEPTH = {"stored": "nothing"}
 """The note ``depth_format`` of a map that tells no depths."""
 
-TOLD: dict[str, type] = {"method": str, "work": dict, "notes": dict, "manifest": list, "hashes": dict}
-"""What the file tells beside the arrays: fields of :class:`VisibilityMap`, and their types."""
+TOLD = ("method", "work", "notes", "manifest", "hashes")
+"""What the file tells beside the arrays: fields of :class:`VisibilityMap`."""
 
 
 class Admissible(NamedTuple):
@@ -232,23 +233,44 @@ def load_map(path: str | Path) -> VisibilityMap:
     >>> print(hsr.load_map("cube.npz").face[1])
     [-1  4  0  0  0  0  0  0 -1 -1]
     """
+    from hsr.problem.map_file import check_facts, ties_of  # pydantic takes long to import
+
+    held = _arrays_in(path)
     try:
-        with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as arrays:
-            face, depth, meta = arrays["face"], arrays["depth"], json.loads(str(arrays["meta"]))
-            ties = [arrays[name] for name in ("tie_sample", "tie_start", "tie_face") if name in arrays]
+        face, depth, meta = (held[name] for name in ("face", "depth", "meta"))
+        facts = json.loads(str(meta))
+        if not isinstance(facts, dict) or facts.get("hsr") != FORMAT:
+            raise MapError(f"not a visibility map of version {FORMAT}")
+        if face.dtype != np.int32 or depth.dtype != np.float64:
+            raise MapError(f"face must be int32 and depth float64, not {face.dtype}, {depth.dtype}")
+        if not face.size:
+            raise MapError("it has no samples")
+        ties = ties_of(held, face.size)
+        check_facts(facts, face, ties)
+        told = {name: facts[name] for name in TOLD}
+        return VisibilityMap(np.ascontiguousarray(face), np.ascontiguousarray(depth), **told, admissible=ties)
+    except KeyError as error:
+        raise MapError(f"{path}: not a visibility map (it has no {error})") from None
+    except (MapError, ValueError, RecursionError) as error:
+        raise MapError(f"{path}: {told_briefly(error)}; render it again") from None
+
+
+def _arrays_in(path: str | Path) -> dict[str, Array]:
+    """Read the arrays of an ``.npz`` file; never a Python object."""
+    try:
+        with Path(path).open("rb") as file:
+            if not is_zipfile(file):
+                raise MapError(f"{path}: not a visibility map (no .npz file)")
+            file.seek(0)
+            with np.load(file, allow_pickle=False) as arrays:
+                return dict(arrays)
     except FileNotFoundError:
         raise MapError(f"{path}: no such file; write one with 'hsr render SCENE -o {path}'") from None
+    except MapError:
+        raise
     except Exception as error:  # on a damaged file zipfile, zlib and NumPy raise almost anything
-        raise MapError(f"{path}: not a visibility map ({error})") from error
-    if not isinstance(meta, dict) or meta.get("hsr") != FORMAT:
-        raise MapError(f"{path}: not a visibility map of version {FORMAT}; render it again")
-    if face.dtype != np.int32 or depth.dtype != np.float64:
-        raise MapError(f"{path}: face must be int32 and depth float64, not {face.dtype}, {depth.dtype}")
-    told: dict[str, Any] = {key: meta.get(key) for key in TOLD}
-    for key, value in told.items():
-        if not isinstance(value, TOLD[key]):
-            raise MapError(f"{path}: its entry {key!r} is missing or damaged; render it again")
-    return VisibilityMap(face, depth, **told, admissible=Admissible(*ties) if ties else None)
+        why = "it holds Python objects, which are not read" if "pickle" in str(error) else told_briefly(error)
+        raise MapError(f"{path}: not a visibility map ({why})") from error
 
 
 def depth_format(
