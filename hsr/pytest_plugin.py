@@ -9,12 +9,13 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Generator, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from hsr.base.errors import NoOpenGLError, UnavailableError
+from hsr.base.errors import HsrError, NoOpenGLError, UnavailableError
 from hsr.base.files import make_folder, write_whole
 
 if TYPE_CHECKING:
@@ -25,6 +26,8 @@ UPDATES = ("failed", "new", "all")
 UNUSED = ("warn", "fail", "ignore")
 RESULTS = ".hsr-results"
 MARK = ".gitignore"
+LOST = "visibility results"
+"""Among a test's properties: why some of its results are not kept."""
 OURS = "# results of visibility checks, written anew by every run\n*\n"
 """What the .gitignore says in the folder of results: that it is ours to empty."""
 
@@ -91,10 +94,7 @@ def visibility(request: pytest.FixtureRequest) -> Iterator[Visibility]:
 
     test, results = request.node, _results(request.config)
     markers = [("marker", mark.kwargs) for mark in test.iter_markers(FIXTURE)]
-    make_folder(results)
-    if not _ours(results):  # whoever else says so at the same time
-        write_whole(results / MARK, OURS, "the mark of the results")
-    checks = Visibility(test, results, [*markers, *_limits(request.config)])
+    checks = Visibility(test, results, partial(_prepare, results), [*markers, *_limits(request.config)])
     yield checks
     checks.finish()
 
@@ -130,6 +130,13 @@ def _check_results(results: Path) -> None:
     strange = results.is_dir() and any(not file.name.startswith(marks) for file in results.iterdir())
     if strange and not _ours(results):
         raise pytest.UsageError(f"{results}: not empty, and no results of checks; name another folder")
+
+
+def _prepare(results: Path) -> None:
+    """Make the folder of results, and say that it is ours."""
+    make_folder(results)
+    if not _ours(results):  # whoever else says so at the same time
+        write_whole(results / MARK, OURS, "the mark of the results")
 
 
 def _ours(results: Path) -> bool:
@@ -180,17 +187,22 @@ class _Gatherer:
         self._partial = any("::" in argument for argument in config.args)
         self._passed: dict[str, bool] = {}
         self._lines: list[str] = []
+        self._lost, self._stale = "", False
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_sessionstart(self) -> None:
         """Forget the last run."""
         _check_results(self._results)
         if _ours(self._results) and not self._config.option.collectonly:
-            for entry in self._results.iterdir():
-                if entry.is_dir():
-                    shutil.rmtree(entry)
-                elif entry.name != MARK:
-                    entry.unlink()
+            try:
+                for entry in self._results.iterdir():
+                    if entry.is_dir():
+                        shutil.rmtree(entry)
+                    elif entry.name != MARK:
+                        entry.unlink()
+            except OSError as error:
+                self._lost = f"{self._results}: those of the last run are still there: {error.strerror}"
+                self._stale = True
 
     def pytest_deselected(self, items: Sequence[pytest.Item]) -> None:
         self._partial |= bool(items)
@@ -204,22 +216,38 @@ class _Gatherer:
         """Remember of each module whether all its tests ran and passed: then they used what they need."""
         module, passed = report.nodeid.partition("::")[0], report.passed and not hasattr(report, "wasxfail")
         self._passed[module] = self._passed.get(module, True) and passed
+        self._lost = self._lost or str(dict(report.user_properties).get(LOST, ""))
 
     @pytest.hookimpl(trylast=True)
     def pytest_sessionfinish(self, session: pytest.Session) -> None:
         """Write the results, if there are any."""
-        option, recorded = self._config.option, any(self._results.glob("*/*/checks.json"))
-        if option.collectonly or not (recorded or option.hsr_selfcheck):
+        option = self._config.option
+        recorded = not self._stale and any(self._results.glob("*/*/checks.json"))
+        if option.collectonly or not (recorded or self._lost or option.hsr_selfcheck):
             return
-        self._lines, fails = ["no check was tried on planted mistakes: there is none"], True
+        fails = option.hsr_selfcheck
         if recorded:
-            from hsr.testing.results import gather
-
-            root, partial = self._config.rootpath, self._partial or session.shouldstop or session.shouldfail
-            whole = [root / module for module, passed in self._passed.items() if passed and not partial]
-            self._lines, fails = gather(self._results, root, whole, option.hsr_unused, option.hsr_selfcheck)
+            self._lines, fails = self._gathered(session)
+        elif fails:
+            self._lines = ["no check was tried on planted mistakes: there is none"]
+        if self._lost:
+            self._lines.append(f"the results are not whole: {self._lost}")
         if fails and session.exitstatus == pytest.ExitCode.OK:
             session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+    def _gathered(self, session: pytest.Session) -> tuple[list[str], bool]:
+        """Gather the results; where they cannot be, that is said, and tests are judged all the same."""
+        from hsr.testing.results import gather
+
+        option, root = self._config.option, self._config.rootpath
+        partial = self._partial or session.shouldstop or session.shouldfail
+        whole = [root / module for module, passed in self._passed.items() if passed and not partial]
+        try:
+            return gather(self._results, root, whole, option.hsr_unused, option.hsr_selfcheck)
+        except HsrError as error:
+            return [
+                f"the results are not whole: {error}"
+            ], option.hsr_selfcheck or option.hsr_unused == "fail"
 
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:
         """Say where the results are, and what no test used."""

@@ -6,6 +6,7 @@ import hashlib
 import os
 from collections.abc import Iterable
 from pathlib import Path
+from threading import get_ident
 
 from hsr.base.errors import HsrError
 
@@ -17,7 +18,7 @@ def write_whole(path: str | Path, data: bytes | str, what: str, error: type[HsrE
     ----------
     path : str or Path
     data : bytes or str
-        Text is written as UTF-8.
+        Text is written as UTF-8, with a question mark for what is no character.
     what : str
         What the file is, for the message: ``"the map"``.
     error : type of HsrError
@@ -29,10 +30,11 @@ def write_whole(path: str | Path, data: bytes | str, what: str, error: type[HsrE
         Of the type ``error``, if the file cannot be written.
     """
     target = Path(path)
-    unfinished = target.with_name(f".{target.name}.{os.getpid()}")
+    # Short enough for every file system, however long the name is.
+    unfinished = target.with_name(f".{target.name[:40]}.{os.getpid()}.{get_ident()}")
     try:
         try:
-            unfinished.write_bytes(data if isinstance(data, bytes) else data.encode("utf-8"))
+            unfinished.write_bytes(data if isinstance(data, bytes) else data.encode("utf-8", "replace"))
             unfinished.replace(target)
         finally:
             unfinished.unlink(missing_ok=True)

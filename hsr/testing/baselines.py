@@ -13,11 +13,12 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
+from pydantic import TypeAdapter
 
-from hsr.base.errors import CheckError, MapError
+from hsr.base.errors import CheckError, MapError, told_briefly
 from hsr.base.files import write_whole
 from hsr.problem.map import BACKGROUND, NO_DEPTH, VisibilityMap, load_map
 from hsr.testing.judging import Judgement, Subject, judge
@@ -42,6 +43,8 @@ SUFFIXES = {"maps": ".npz", "hashes": ".json"}
 
 PLAIN = re.compile(r"[a-z0-9_-]{1,80}")
 RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)")
+
+Kind = TypeVar("Kind")
 
 Contents = dict[str, str]
 """Content hashes and names: ``faces``, ``depths``, ``scene``, ``camera``, ``size``, ``renderer``."""
@@ -141,10 +144,11 @@ def write(file: Path, map: VisibilityMap, depths: bool) -> None:
 
     Raises
     ------
-    CheckError
-        If the file cannot be written.
+    HsrError
+        If the file cannot be written, or a link leads elsewhere.
     """
     held = contents(map)
+    check_place(file)
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -157,6 +161,19 @@ def write(file: Path, map: VisibilityMap, depths: bool) -> None:
         notes |= {DEPTHS: held["depths"], "depth_format": NO_DEPTH}
         map = replace(map, depth=np.where(map.face == BACKGROUND, np.inf, np.nan))
     replace(map, work={}, notes=notes).save(file)
+
+
+def check_place(file: Path) -> None:
+    """Refuse a baseline that a link would have written elsewhere: its folders, or the file, are links.
+
+    Raises
+    ------
+    CheckError
+        If it is.
+    """
+    file = file.absolute()
+    if file.resolve() != Path(file.parents[2].resolve(), *file.parts[-3:]):
+        raise CheckError(f"{file}: a link leads to {file.resolve()}; nothing is written there")
 
 
 def read(file: Path) -> VisibilityMap | Contents:
@@ -172,19 +189,20 @@ def read(file: Path) -> VisibilityMap | Contents:
             return load_map(file)
         except MapError as error:
             raise CheckError(f"{error}; {ANEW}") from None
-    held = read_json(file, "not a baseline", f"; {ANEW}")
+    held = read_json(dict[str, Any], file, "not a baseline", f"; {ANEW}")
     known = ("faces", "depths", "scene", "camera", "size", "renderer")
-    if not isinstance(held, dict) or held.pop("hsr", None) != FORMAT or sorted(held) != sorted(known):
+    fits = held.pop("hsr", None) == FORMAT and sorted(held) == sorted(known)
+    if not fits or not all(isinstance(value, str) for value in held.values()):
         raise CheckError(f"{file}: not a baseline of version {FORMAT}; {ANEW}")
     return held
 
 
-def read_json(file: Path, complaint: str, remedy: str = "") -> Any:
-    """Read a file of JSON; :class:`CheckError` if that fails."""
+def read_json(kind: type[Kind], file: Path, complaint: str, remedy: str = "") -> Kind:
+    """Read a file of JSON as values of a kind; :class:`CheckError` if that fails."""
     try:
-        return json.loads(file.read_text(encoding="utf-8"))
+        return TypeAdapter(kind).validate_json(file.read_bytes())
     except (OSError, ValueError) as error:
-        raise CheckError(f"{file}: {complaint} ({error}){remedy}") from None
+        raise CheckError(f"{file}: {complaint} ({told_briefly(error)}){remedy}") from None
 
 
 # ---------------------------------------------------------------- matching

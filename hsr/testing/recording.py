@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
 from hsr.base.arrays import Pixels
-from hsr.base.errors import CheckError, VisibilityError
+from hsr.base.errors import CheckError, HsrError, VisibilityError
+from hsr.base.files import make_folder, write_whole
 from hsr.pages.checks import kept
 from hsr.pages.inspector import fragment
 from hsr.pages.stories import Shown
@@ -84,6 +85,16 @@ class Check:
     lets_pass: dict[str, int] | None = None
 
 
+@dataclass
+class Record:
+    """What became of the checks of one test, which baselines it may use, and which it has used."""
+
+    test: str
+    checks: list[Check]
+    baselines: str
+    used: list[str]
+
+
 class Visibility:
     """Checks visibility; the fixture of that name.
 
@@ -93,12 +104,21 @@ class Visibility:
         The test, with the options that hold for it; it takes what the JUnit file says.
     results : Path
         Those of this run.
+    prepare : callable
+        Makes that folder ready to be written, again and again; raises an HsrError where that fails.
     limits : sequence of (str, mapping)
         Limits and who set them, the strongest first.
     """
 
-    def __init__(self, test: Any, results: Path, limits: Sequence[tuple[str, Mapping[str, Any]]]) -> None:
-        self._test, self._results, self._limits = test, results, limits
+    def __init__(
+        self,
+        test: Any,
+        results: Path,
+        prepare: Callable[[], object],
+        limits: Sequence[tuple[str, Mapping[str, Any]]],
+    ) -> None:
+        self._test, self._results, self._prepare, self._limits = test, results, prepare, limits
+        self._lost = ""
         self._baselines = test.path.parent / FOLDER / test.path.stem
         self._checks: list[Check] = []
         self._used: set[str] = set()
@@ -183,7 +203,7 @@ class Visibility:
         check.depths = self.limits.depth_ulps is not None
         self._used |= {file.name for file in (*files, target)}
         if not check.passed and not check.shown:
-            check.shown = self._keep(check, "shown", map)
+            check.shown = self._keep(check, "shown.npz", map.save)
             view, stored = subject.view if subject else None, found.stored if files else None
             self._inspect(check, Shown(check.key, view, {called: map}, None, {}, {}, stored))
         due = "new" if not files else "failed" if not check.passed else "all"
@@ -216,9 +236,8 @@ class Visibility:
         check = self._new("pictures", passed, text)
         check.weaker = True
         if not passed:
-            check.shown, check.expected = (self._file(check, f"{what}.png") for what in ("shown", "expected"))
-            save_picture(picture, self._results / check.shown)
-            save_picture(reference, self._results / check.expected)
+            check.expected = self._keep(check, "expected.png", partial(save_picture, reference))
+            check.shown = self._keep(check, "shown.png", partial(save_picture, picture))
             check.link = f"#{check.key}"
         self._demand([check])
 
@@ -237,14 +256,12 @@ class Visibility:
         """Write what became of the checks, for whoever gathers the results of the run."""
         if not self._checks:
             return
-        record = {
-            "hsr": 1,
-            "test": self._test.nodeid,
-            "checks": [asdict(check) for check in self._checks],
-            "baselines": self._seen_from_root(self._baselines),
-            "used": sorted(self._used),
-        }
-        (self._folder / "checks.json").write_text(json.dumps(record, indent=1), encoding="utf-8")
+        baselines = self._seen_from_root(self._baselines)
+        record = asdict(Record(self._test.nodeid, self._checks, baselines, sorted(self._used)))
+        text = json.dumps({"hsr": 1, **record}, indent=1, ensure_ascii=False)
+        self._write(f"{ITEMS}/{self._id}/checks.json", partial(write_whole, data=text, what="the record"))
+        if self._lost:
+            self._test.user_properties.append(("visibility results", self._lost))
 
     def _judged(self, judgement: Judgement, text: str) -> Check:
         """Record a judgement; of a failed one keep the maps, of a passed one try planted mistakes."""
@@ -253,8 +270,8 @@ class Visibility:
         check.counts, check.contents = judgement.counts, contents(shown)
         check.sample = list(judgement.sample[::-1]) if judgement.sample else None
         if not judgement.passed:
-            check.shown = self._keep(check, "shown", shown)
-            check.expected = self._keep(check, "expected", expected)
+            check.shown = self._keep(check, "shown.npz", shown.save)
+            check.expected = self._keep(check, "expected.npz", expected.save)
             commands = self._commands(check, judgement)
             self._inspect(check, _compared(check.key, judgement, commands[-1]), judgement.sample)
             check.text += f"\n  {commands[0]}" if commands[0] else ""
@@ -265,17 +282,17 @@ class Visibility:
     def _commands(self, check: Check, judgement: Judgement) -> tuple[str, str]:
         """Return the commands that explain the first sample, and any X,Y; they need a scene file."""
         scene = judgement.subject and judgement.subject.scene
-        if not judgement.subject or not scene:
+        if not judgement.subject or not scene or not check.shown:
             return "", ""
-        written = self._results / self._file(check, "scene.toml")
+        written = self._results / ITEMS / f"{check.key}-scene.toml"
         if not judgement.subject.file:
-            write_scene(with_files(scene, lambda file: str((scene.folder / file).resolve())), written)
+            moved = with_files(scene, lambda file: str((scene.folder / file).resolve()))
+            self._keep(check, "scene.toml", partial(write_scene, moved))
         shown = self._seen_from_root(self._results / check.shown)
         how = partial(judgement.command, self._seen_from_root(written), shown)
         return how(), how("X,Y")
 
     def _new(self, name: str, passed: bool, text: str) -> Check:
-        self._folder.mkdir(parents=True, exist_ok=True)
         check = Check(f"{self._id}/{len(self._checks) + 1}", name, passed, text)
         self._checks.append(check)
         return check
@@ -288,30 +305,34 @@ class Visibility:
             self._test.user_properties.append((f"visibility {check.name}", outcome))
             if check.shown:
                 check.text += f"\n  {(self._results / PAGE).as_uri()}{check.link}"
+            elif self._lost and not check.passed:
+                check.text += f"\n  it is not kept: {self._lost}"
         failed = [check.text for check in checks if not check.passed]
         if failed:
             raise VisibilityError("\n".join(failed))
 
     # ------------------------------------------------------------ files
 
-    @property
-    def _folder(self) -> Path:
-        return self._results / ITEMS / self._id
-
-    def _file(self, check: Check, what: str) -> str:
-        """Return the name of a file of a check, seen from the results."""
-        return f"{ITEMS}/{check.key}-{what}"
-
     def _inspect(self, check: Check, shown: Shown, sample: tuple[int, int] | None = None) -> None:
         """Keep what the page shows of maps, and how its address names what to look at first."""
-        check.inspection = self._file(check, "inspection.json")
-        told = json.dumps(kept(shown, [sample] if sample else []))
-        (self._results / check.inspection).write_text(told, encoding="utf-8")
+        text = json.dumps(kept(shown, [sample] if sample else []))
+        write = partial(write_whole, data=text, what="what the page shows")
+        check.inspection = self._keep(check, "inspection.json", write)
         check.link = fragment(check.key, list(shown.maps)[-1], sample)
 
-    def _keep(self, check: Check, what: str, map: VisibilityMap) -> str:
-        file = self._file(check, f"{what}.npz")
-        map.save(self._results / file)
+    def _keep(self, check: Check, what: str, write: Callable[[Path], object]) -> str:
+        """Write a file of a check; return its name seen from the results, empty if that fails."""
+        return self._write(f"{ITEMS}/{check.key}-{what}", write)
+
+    def _write(self, file: str, write: Callable[[Path], object]) -> str:
+        """Write a file among the results. A full disk changes no judgement: then nothing is there."""
+        try:
+            self._prepare()
+            make_folder(self._results / ITEMS / self._id)
+            write(self._results / file)
+        except HsrError as error:
+            self._lost = self._lost or str(error)
+            return ""
         return file
 
     def _seen_from_root(self, file: Path) -> str:

@@ -6,27 +6,55 @@ import hashlib
 import json
 from bisect import bisect
 from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
 from itertools import accumulate
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Any, Literal
 
-from hsr.base.errors import CheckError
+from hsr.base.errors import CheckError, HsrError
 from hsr.base.files import write_whole
 from hsr.lab.machine import machine
 from hsr.pages.checks import write_page
 from hsr.problem.map import VisibilityMap, load_map
-from hsr.testing.baselines import FOLDER, next_variant, read_json, write
-from hsr.testing.recording import ITEMS, PAGE, Check
+from hsr.testing.baselines import FOLDER, SUFFIXES, check_place, next_variant, read_json, write
+from hsr.testing.recording import ITEMS, PAGE, Check, Record
 
 RESULTS = "results.json"
 SUMMARY = "summary.md"
+
+NO_RESULTS = "holds no results of this version"
 
 MAX_SUMMARY = 900_000
 """Bytes of a summary: GitHub refuses step summaries of more than 1 MiB."""
 
 
-CHOICES = ("accept", "variant", "reject")
+Choice = Literal["accept", "variant", "reject"]
 """Replace the baseline, keep one more valid one, or leave all as it is."""
+
+
+@dataclass
+class Run:
+    """What a run's ``results.json`` holds."""
+
+    hsr: Literal[1]
+    run: str
+    environment: dict[str, Any]
+    unused: list[str]
+    tests: list[Record]
+
+    @property
+    def checks(self) -> list[tuple[str, Check]]:
+        """All checks, each with its test."""
+        return [(record.test, check) for record in self.tests for check in record.checks]
+
+
+@dataclass
+class Decisions:
+    """What a person decided: a choice by the key of the check."""
+
+    hsr: Literal[1]
+    run: str
+    decisions: dict[str, Choice]
 
 
 def gather(
@@ -58,18 +86,29 @@ def gather(
     Raises
     ------
     HsrError
-        If a file cannot be written.
+        If a record cannot be read.
     """
-    records = [json.loads(file.read_text(encoding="utf-8")) for file in folder.glob(f"{ITEMS}/*/checks.json")]
-    records.sort(key=lambda record: record["test"])
+    records = [read_json(Record, file, NO_RESULTS) for file in folder.glob(f"{ITEMS}/*/checks.json")]
+    records.sort(key=lambda record: record.test)
     left = [file.relative_to(root).as_posix() for file in _unused(records, whole, root) if unused != "ignore"]
-    run = hashlib.sha256(json.dumps(records, sort_keys=True).encode()).hexdigest()[:16]
-    told = {"hsr": 1, "run": run, "environment": _environment(records), "unused": left, "tests": records}
-    write_whole(folder / RESULTS, json.dumps(told, indent=1) + "\n", "the results", CheckError)
-    checks = report(folder / RESULTS)
+    tests = [asdict(record) for record in records]
+    run = hashlib.sha256(json.dumps(tests, sort_keys=True).encode()).hexdigest()[:16]
+    told = Run(1, run, _environment(records), left, records)
+    fails = (selfcheck and _overlooked(told.checks)) or (unused == "fail" and bool(left))
+    lines = list(_lines(told.checks, left, folder, selfcheck))
+    try:
+        text = json.dumps(asdict(told), indent=1, ensure_ascii=False)
+        write_whole(folder / RESULTS, text + "\n", "the results", CheckError)
+        report(folder / RESULTS)
+    except HsrError as error:  # The tests are judged all the same.
+        lines.insert(0, f"the results are not whole: {error}")
+    return lines, fails
+
+
+def _overlooked(checks: Sequence[tuple[str, Check]]) -> bool:
+    """Tell whether a check lets a planted mistake pass, or none was tried on any."""
     lets_pass = [check.lets_pass for _, check in checks if check.lets_pass is not None]
-    overlooked = selfcheck and (not lets_pass or any(lets_pass))
-    return list(_lines(checks, left, folder, selfcheck)), overlooked or (unused == "fail" and bool(left))
+    return not lets_pass or any(lets_pass)
 
 
 def report(results: Path) -> list[tuple[str, Check]]:
@@ -80,24 +119,23 @@ def report(results: Path) -> list[tuple[str, Check]]:
     HsrError
         If a file cannot be read or written.
     """
-    folder, told = results.parent, _json(results)
-    checks = [(record["test"], Check(**check)) for record in told["tests"] for check in record["checks"]]
-    checks.sort(key=lambda entry: entry[1].passed)  # failed first, else in order of tests
-    write_whole(folder / SUMMARY, _summary(checks, told["unused"]), "the summary", CheckError)
-    write_page([(test, vars(check)) for test, check in checks], told["run"], told["unused"], folder / PAGE)
+    folder, told = results.parent, read_json(Run, results, NO_RESULTS)
+    checks = sorted(told.checks, key=lambda entry: entry[1].passed)  # failed first, else in order of tests
+    write_whole(folder / SUMMARY, _summary(checks, told.unused), "the summary", CheckError)
+    write_page([(test, vars(check)) for test, check in checks], told.run, told.unused, folder / PAGE)
     return checks
 
 
-def _environment(records: Sequence[dict[str, Any]]) -> dict[str, Any]:
+def _environment(records: Sequence[Record]) -> dict[str, Any]:
     """Return the machine, versions, and who rendered what was checked."""
-    contents = (check["contents"] for record in records for check in record["checks"])
-    renderers = sorted({held["renderer"] for held in contents if held})
+    contents = (check.contents for record in records for check in record.checks)
+    renderers = sorted({held["renderer"] for held in contents if "renderer" in held})
     return {**machine().model_dump(mode="json"), "renderers": renderers}
 
 
-def _unused(records: Sequence[dict[str, Any]], whole: Sequence[Path], root: Path) -> list[Path]:
+def _unused(records: Sequence[Record], whole: Sequence[Path], root: Path) -> list[Path]:
     """Find baselines that no test of a whole module used, and those of modules that are no more."""
-    used = {root / record["baselines"] / name for record in records for name in record["used"]}
+    used = {root / record.baselines / name for record in records for name in record.used}
     kept = {module.parent / FOLDER / module.stem for module in whole}
     for folder in {module.parent / FOLDER for module in whole}:
         kept |= {orphan for orphan in folder.glob("*/") if not (folder.parent / f"{orphan.name}.py").exists()}
@@ -162,43 +200,40 @@ def accept(decisions: Path, results: Path, root: Path) -> list[str]:
     HsrError
         If a file cannot be read or written, or the decisions are of another run.
     """
-    made, told = _json(decisions), _json(results / RESULTS)
-    if made.get("run") != told.get("run"):
+    made = read_json(Decisions, decisions, "holds no decisions of this version")
+    told = read_json(Run, results / RESULTS, NO_RESULTS)
+    if made.run != told.run:
         raise CheckError(f"{decisions}: made of another run than {results}; name its results with --results")
-    checks = {check["key"]: check for record in told["tests"] for check in record["checks"]}
+    checks = {check.key: check for _, check in told.checks}
     planned = []
-    for key, choice in made["decisions"].items():
-        check = _decided(decisions, key, choice, checks, root)
-        planned.append((check, choice, None if choice == "reject" else load_map(results / check["shown"])))
+    for key, choice in made.decisions.items():
+        if key not in checks:
+            raise CheckError(f"{decisions}: {key}: the run has no such check")
+        file = _baseline(f"{decisions}: {key}", checks[key], root)
+        map = None if choice == "reject" else load_map(results / checks[key].shown)
+        planned.append((checks[key], choice, file, map))
     return [_done(root, *plan) for plan in planned]
 
 
-def _done(root: Path, check: dict[str, Any], choice: str, map: VisibilityMap | None) -> str:
+def _done(root: Path, check: Check, choice: Choice, file: Path, map: VisibilityMap | None) -> str:
     if map is None:
-        return f"rejected: {check['baseline']} stays"
-    file = root / check["baseline"]
+        return f"rejected: {check.baseline} stays"
     if choice == "variant" and file.exists():
         file = next_variant(file.parent, file.stem.partition("~")[0], file.suffix)
-    write(file, map, check["depths"])
+    write(file, map, check.depths)
     return f"wrote {file.relative_to(root).as_posix()}"
 
 
-def _decided(decisions: Path, key: str, choice: str, checks: dict[str, Any], root: Path) -> dict[str, Any]:
-    """Return the check that a decision is about."""
-    check: dict[str, Any] | None = checks.get(key)
-    if check is None or choice not in CHOICES:
-        raise CheckError(f"{decisions}: {key}: no such check or choice; the choices are {', '.join(CHOICES)}")
-    place = PurePosixPath(check["baseline"])
-    if place.is_absolute() or ".." in place.parts or FOLDER not in place.parts:
-        raise CheckError(f"{decisions}: {key}: has no baseline in this project")
-    beside = root.joinpath(*place.parts[: place.parts.index(FOLDER)])
+def _baseline(which: str, check: Check, root: Path) -> Path:
+    """Return the file of a check's baseline: two below a folder of baselines, in this project."""
+    place = PurePosixPath(check.baseline)
+    below = place.parts[-3:-2] == (FOLDER,) and place.suffix in SUFFIXES.values()
+    if not below or place.is_absolute() or ".." in place.parts:
+        raise CheckError(f"{which}: has no baseline in this project")
+    beside = root.joinpath(*place.parts[:-3])
     if not beside.is_dir():
-        raise CheckError(f"{decisions}: there is no folder {beside} here; run this in the project's root")
-    return check
-
-
-def _json(file: Path) -> dict[str, Any]:
-    told = read_json(file, "cannot be read")
-    if not isinstance(told, dict) or told.get("hsr") != 1 or "run" not in told:
-        raise CheckError(f"{file}: holds no decisions or results of this version")
-    return told
+        raise CheckError(f"{which}: there is no folder {beside} here; run this in the project's root")
+    if not beside.resolve().is_relative_to(root.resolve()):
+        raise CheckError(f"{which}: {beside} leads out of the project")
+    check_place(root / place)
+    return root / place

@@ -38,3 +38,19 @@ def test_a_full_disk_leaves_what_was_there(tmp_path: Path, monkeypatch: pytest.M
 def test_no_such_folder(tmp_path: Path) -> None:
     with pytest.raises(HsrError, match="cannot write the picture: No such file or directory"):
         write_whole(tmp_path / "none" / "a.png", b"", "the picture")
+
+
+def test_names_as_long_as_a_file_system_takes(tmp_path: Path) -> None:
+    for name in ("a" * 255, "ä" * 127):
+        write_whole(tmp_path / name, name, "the file")
+        assert (tmp_path / name).read_text(encoding="utf-8") == name
+    with pytest.raises(HsrError, match="cannot write the file: File name too long"):
+        write_whole(tmp_path / ("a" * 256), "", "the file")
+
+
+def test_a_link_is_replaced_and_what_it_leads_to_stays(tmp_path: Path) -> None:
+    (tmp_path / "other").write_text("old", encoding="utf-8")
+    (tmp_path / "a").symlink_to(tmp_path / "other")
+    write_whole(tmp_path / "a", "new \udc80", "the file")
+    assert (tmp_path / "a").read_text(encoding="utf-8") == "new ?"
+    assert (tmp_path / "other").read_text(encoding="utf-8") == "old"

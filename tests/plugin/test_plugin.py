@@ -12,8 +12,10 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from hsr.base.errors import HsrError
 from hsr.cli.app import app
 from hsr.pytest_plugin import _check_results
+from tests.damage import damaged
 
 BASELINES = "__visibility__/test_baselines"
 
@@ -536,3 +538,107 @@ def test_pictures_are_a_weaker_check(project: pytest.Pytester) -> None:
         "2-expected.png",
         "2-shown.png",
     ]
+
+
+# ---------------------------------------------------------------- damage, full disks, links
+
+
+def test_damaged_results_and_decisions_are_one_line(
+    written: pytest.Pytester, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    change(written, "aab", "acb")
+    written.runpytest("test_baselines.py::test_scene")
+    decide(written, "accept")
+    folder = written.path / ".hsr-results"
+    (kept,) = folder.glob("items/*/*inspection.json")
+    # How pages are built is not what this is about, and takes long.
+    monkeypatch.setattr("hsr.pages.checks.page", lambda *_, **shown: str(shown["causes"]))
+    for file, verb, count in (
+        (folder / "results.json", ["report", str(folder / "results.json")], 150),
+        (folder / "results.json", ["accept", "decisions.json"], 100),
+        (written.path / "decisions.json", ["accept", "decisions.json"], 50),
+        (kept, ["report", str(folder / "results.json")], 50),
+    ):
+        whole = file.read_text(encoding="utf-8")
+        texts = [json.dumps(value) for value in damaged(json.loads(whole), count)]
+        for text in (*texts, "", "{", "[" * 10_000, whole[: len(whole) // 2], '{"hsr": 1, "run": "x"}'):
+            file.write_text(text, encoding="utf-8")
+            done = CliRunner().invoke(app, verb)
+            if done.exception is not None:
+                assert isinstance(done.exception, HsrError), (text, done.exception)
+                assert "\n" not in str(done.exception) and file.suffix in str(done.exception)
+        file.write_text(whole, encoding="utf-8")
+        assert CliRunner().invoke(app, verb).exit_code == 0
+
+
+@pytest.mark.parametrize("where", ["test_baselines/test_scene.npz", "test_baselines", ""])
+def test_nothing_is_written_through_links(written: pytest.Pytester, where: str) -> None:
+    change(written, "aab", "acb")
+    written.runpytest("test_baselines.py::test_scene")
+    link, elsewhere = written.path / "__visibility__" / where, written.path / "elsewhere"
+    link.rename(elsewhere)
+    link.symlink_to(elsewhere)
+    before = {file: file.read_bytes() for file in [elsewhere, *elsewhere.rglob("*")] if file.is_file()}
+    refused = decide(written, "accept")
+    assert isinstance(refused.exception, HsrError) and "a link leads to" in str(refused.exception)
+    run = written.runpytest("test_baselines.py::test_scene", "--hsr-update=failed")
+    run.stdout.fnmatch_lines(["E *a link leads to *elsewhere*; nothing is written there"])
+    assert {
+        file: file.read_bytes() for file in [elsewhere, *elsewhere.rglob("*")] if file.is_file()
+    } == before
+
+
+@pytest.mark.parametrize(
+    "baseline",
+    [
+        "painter.py",
+        "/tmp/a.npz",
+        "__visibility__/a.npz",
+        "__visibility__/../a/b.npz",
+        "__visibility__/a/b.py",
+    ],
+)
+def test_only_baselines_are_replaced(written: pytest.Pytester, baseline: str) -> None:
+    change(written, "aab", "acb")
+    written.runpytest("test_baselines.py::test_scene")
+    told = results(written)
+    told["tests"][0]["checks"][0]["baseline"] = baseline
+    (written.path / ".hsr-results/results.json").write_text(json.dumps(told), encoding="utf-8")
+    assert "has no baseline in this project" in str(decide(written, "accept").exception)
+
+
+@pytest.mark.parametrize("room", [0, 1, 3, 6])
+def test_a_full_disk_changes_no_judgement(
+    project: pytest.Pytester, monkeypatch: pytest.MonkeyPatch, room: int
+) -> None:
+    free = room
+    whole = Path.write_bytes
+
+    def write(path: Path, data: bytes) -> int:
+        nonlocal free
+        free -= 1
+        whole(path, data if free >= 0 else data[:1])
+        if free < 0:
+            raise OSError(28, "No space left on device")
+        return len(data)
+
+    monkeypatch.setattr(Path, "write_bytes", write)
+    run = project.runpytest_inprocess("test_truth.py", "-k", "right or wrong", "-p", "no:cacheprovider")
+    run.assert_outcomes(passed=2, failed=1)
+    assert run.ret == pytest.ExitCode.TESTS_FAILED
+    run.stdout.fnmatch_lines(["E *no depth test*", "*results are not whole: *No space left on device"])
+    for file in project.path.glob(".hsr-results/**/*"):
+        assert file.is_dir() or file.stat().st_size > 1
+        assert file.suffix != ".json" or json.loads(file.read_text(encoding="utf-8"))
+
+
+def test_results_of_another_run_that_cannot_be_removed_are_not_taken_for_this_one(
+    written: pytest.Pytester, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def read_only(*_: Any) -> None:
+        raise OSError(30, "Read-only file system")
+
+    monkeypatch.setattr("shutil.rmtree", read_only)
+    run = written.runpytest_inprocess("test_baselines.py::test_scene")
+    run.assert_outcomes(passed=1)
+    run.stdout.fnmatch_lines(["*not whole: *those of the last run are still there: Read-only file system"])
