@@ -324,8 +324,7 @@ class Document:
             )
             for joint, weight in zip(joints, weights.astype(np.float64), strict=True):
                 moved += weight[:, None] * (matrices[joint] @ ends[:, :, None])[:, :, 0]
-        with np.errstate(all="ignore"):
-            return np.asarray(moved[:, :3] / moved[:, 3:])
+        return np.asarray(moved[:, :3] / moved[:, 3:])
 
     def _world(self, k: int) -> Floats:
         """Return the matrix from a node to the world."""

@@ -40,6 +40,8 @@ def read_off(content: bytes) -> Faces:
         number, line, counts = next(rows, (number, line, []))
     try:
         vertex_count, face_count = map(whole, counts[:2])
+        if min(vertex_count, face_count) < 0:
+            raise ValueError
     except ValueError:
         raise unreadable(number, line, "expected how many vertices and faces there are") from None
 
@@ -60,6 +62,5 @@ def read_off(content: bytes) -> Faces:
         if len(words) < (wide if k < vertex_count else 1 + sides[-1]):
             raise unreadable(number, line, "it has fewer numbers than it announces")
     points = np.reshape(values, (-1, wide))
-    with np.errstate(all="ignore"):
-        # Of 4OFF the fourth coordinate divides the others.
-        return Faces.of(points[:, :3] / points[:, 3:] if wide == 4 else points, corner, sides)
+    # Of 4OFF the fourth coordinate divides the others.
+    return Faces.of(points[:, :3] / points[:, 3:] if wide == 4 else points, corner, sides)

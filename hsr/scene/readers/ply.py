@@ -50,9 +50,8 @@ class Property(NamedTuple):
 
     def column(self, values: Any, sides: Any) -> Column:
         """Return its column, of the type that the header says; text may say more digits than that has."""
-        with np.errstate(over="ignore"):
-            found = np.asarray(values)
-            return Column(found.astype("f4") if self.type == "f4" else found, np.asarray(sides))
+        found = np.asarray(values)
+        return Column(found.astype("f4") if self.type == "f4" else found, np.asarray(sides))
 
 
 class Element(NamedTuple):

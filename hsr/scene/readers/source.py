@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import warnings
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,6 +10,8 @@ from gzip import BadGzipFile, GzipFile
 from io import BytesIO
 from math import nan
 from pathlib import Path
+
+import numpy as np
 
 from hsr.base.errors import SceneError
 from hsr.scene.names import printable
@@ -73,9 +74,8 @@ def content_of(path: Path) -> bytes:
 def reading(path: Path) -> Iterator[None]:
     """Blame the file for whatever its reader stumbles over in the ``with`` block."""
     try:
-        with warnings.catch_warnings():
-            # What NumPy only warns of would go into the mesh as numbers of no meaning.
-            warnings.simplefilter("error")
+        # What overflows, or is no number, is told of when a face uses it.
+        with np.errstate(all="ignore"):
             yield
     except SceneError as error:
         # Names that a file gives may have any characters.
