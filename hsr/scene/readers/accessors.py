@@ -38,9 +38,7 @@ def chunks(content: bytes) -> list[bytes]:
         if name == kind and place + 8 + size <= len(content):
             found.append(content[place + 8 : place + 8 + size])
         elif not found or place < length:
-            raise SceneError(
-                f"byte {place}: its chunk {kind[:4].decode().strip(chr(0))} is not there, or not whole"
-            )
+            raise SceneError(f"byte {place}: it has no whole chunk {kind.strip(bytes(1)).decode()}")
         place += 8 + size
     if length > len(content):
         raise SceneError(f"byte {len(content)}: it ends before the {length} bytes that it announces")
@@ -95,18 +93,13 @@ class Arrays:
             head, _, text = uri.partition(",")
             content = b64decode(text) if head.endswith(";base64") else unquote_to_bytes(text)
         else:
-            content = self._file(k, uri)
+            file = self._folder / unquote(uri)
+            if not file.is_file():
+                raise SceneError(f"buffers[{k}] is in a file that does not exist: {unquote(uri)!r}")
+            content = file.read_bytes()
         if len(content) < table["byteLength"]:
-            raise SceneError(
-                f"buffers[{k}] has {len(content)} bytes, not the {table['byteLength']} announced"
-            )
+            raise SceneError(f"buffers[{k}] has {len(content)} bytes, not {table['byteLength']} as announced")
         return content
-
-    def _file(self, k: int, uri: str) -> bytes:
-        path = self._folder / unquote(uri)
-        if not path.is_file():
-            raise SceneError(f"buffers[{k}] is in a file that does not exist: {unquote(uri)!r}")
-        return path.read_bytes()
 
     def has_data(self, index: Any) -> bool:
         """Whether an accessor says where its data are."""

@@ -250,9 +250,8 @@ class Document:
 
     @cached_property
     def _mesh_names(self) -> list[str]:
-        return unique(
-            [str(mesh.get("name") or f"mesh {k}") for k, mesh in enumerate(self._tree.get("meshes", []))]
-        )
+        meshes = enumerate(self._tree.get("meshes", []))
+        return unique([str(mesh.get("name") or f"mesh {k}") for k, mesh in meshes])
 
     def _named_parts(self, nodes: Iterable[int]) -> dict[Geometry, str]:
         """Name every mesh as it is, and as nodes bend it."""
@@ -318,10 +317,8 @@ class Document:
         ends = np.column_stack([position, np.ones(len(position))])
         moved = np.zeros_like(ends)
         for k in takewhile(lambda k: f"JOINTS_{k}" in attributes, count()):
-            joints, weights = (
-                self._arrays.read(attributes[f"{word}_{k}"], "VEC4", len(position)).T
-                for word in ("JOINTS", "WEIGHTS")
-            )
+            keys = attributes[f"JOINTS_{k}"], attributes[f"WEIGHTS_{k}"]
+            joints, weights = (self._arrays.read(key, "VEC4", len(position)).T for key in keys)
             for joint, weight in zip(joints, weights.astype(np.float64), strict=True):
                 moved += weight[:, None] * (matrices[joint] @ ends[:, :, None])[:, :, 0]
         return np.asarray(moved[:, :3] / moved[:, 3:])
@@ -384,9 +381,8 @@ def _matrix(table: dict[str, Any]) -> Floats:
     """Return what a node does to its children, rounded at every step."""
     if "matrix" in table:
         return np.reshape(np.array(table["matrix"], np.float64), (4, 4)).T
-    matrix = np.array(_rotation(table.get("rotation", (0, 0, 0, 1)))) @ np.diag(
-        [*table.get("scale", (1, 1, 1)), 1.0]
-    )
+    turned = np.array(_rotation(table.get("rotation", (0, 0, 0, 1))))
+    matrix: Floats = turned * [*table.get("scale", (1, 1, 1)), 1.0]
     matrix[:3, 3] = table.get("translation", 0.0)
     return matrix
 

@@ -32,9 +32,7 @@ def read_off(content: bytes) -> Faces:
     if head is None:
         raise SceneError("an OFF file starts with the word OFF")
     if words[1:2] == [b"BINARY"] or head["n"]:
-        raise unreadable(
-            number, line, "binary files and other spaces than 3D are not read; write it as OFF text"
-        )
+        raise unreadable(number, line, "only text of points in 3D is read; write it so")
     counts = [word for word in [head["counts"], *words[1:]] if word]
     if not counts:
         number, line, counts = next(rows, (number, line, []))

@@ -9,7 +9,7 @@ from __future__ import annotations
 from array import array
 from collections.abc import Iterator, Sequence
 from struct import Struct
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -26,6 +26,7 @@ COUNTERS = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I"}
 """Types of the numbers that say how long a list is, as ``struct`` calls them."""
 
 ORDERS = {b"ascii": "", b"binary_little_endian": "<", b"binary_big_endian": ">"}
+BYTES: dict[str, Literal["little", "big"]] = {"<": "little", ">": "big"}
 AXES, LISTS = ("x", "y", "z"), ("vertex_indices", "vertex_index")
 
 
@@ -63,9 +64,7 @@ class Element(NamedTuple):
 
     def cut_off(self, row: int) -> str:
         """Say which row is not whole."""
-        return (
-            f"it ends before the end of row {row} (counted from 0) of the {self.size} of element {self.name}"
-        )
+        return f"row {row} (counted from 0) of the {self.size} of element {self.name} is not whole"
 
 
 Columns = dict[str, Column]
@@ -132,8 +131,7 @@ def _header(content: bytes) -> tuple[str, list[Element], int, int]:
                     elements[-1].properties.append(_property(_new(name, elements[-1].properties), types))
                 case [b"end_header"] if order is not None:
                     # Where lines end in CR alone, a byte of 10 is the first of what follows.
-                    alone = ending == b"\r"
-                    end = found.start(2) + 1 if alone else found.end()
+                    end = found.start(2) + 1 if ending == b"\r" else found.end()
                     return order, [other for other in elements if other.properties], end, number + 1
                 case _:
                     raise ValueError
@@ -222,9 +220,7 @@ def _alike(content: bytes, start: int, element: Element, order: str) -> Array | 
         if counted:
             counters.append(f"{name} #")
             fields.append((counters[-1], order + counted))
-            length = int.from_bytes(
-                content[place : place + int(counted[1])], "little" if order == "<" else "big"
-            )
+            length = int.from_bytes(content[place : place + int(counted[1])], BYTES[order])
             place += int(counted[1])
         fields.append((name, order + kind, (length,)))
         place += length * int(kind[1])
@@ -250,12 +246,8 @@ def _one_by_one(content: bytes, start: int, element: Element, order: str) -> tup
                 first += counter.size
                 (count,) = counter.unpack_from(content, place) if first <= len(content) else (0,)
             place = first + count * size
-            if max(first, place) > len(content):
-                raise SceneError(f"byte {len(content)}: {element.cut_off(k)}")
-            if count < 0:
-                raise SceneError(
-                    f"byte {first}: a list of {count} values in row {k} of element {element.name}"
-                )
+            if count < 0 or max(first, place) > len(content):
+                raise SceneError(f"byte {min(first, len(content))}: {element.cut_off(k)}")
             if name in values:
                 values[name] += content[first:place]
                 sides[name].append(count)

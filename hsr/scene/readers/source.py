@@ -64,9 +64,7 @@ def content_of(path: Path) -> bytes:
     except (BadGzipFile, EOFError, zlib.error) as error:
         raise SceneError(f"not a readable gzip file ({error})") from None
     if len(content) > MAX_UNPACKED:
-        raise SceneError(
-            f"it unpacks to more than {MAX_UNPACKED >> 20} MiB; unpack it and name what was packed"
-        )
+        raise SceneError(f"it unpacks to more than {MAX_UNPACKED >> 20} MiB; unpack it first")
     return content
 
 

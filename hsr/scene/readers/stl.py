@@ -58,9 +58,7 @@ def _binary(content: bytes, count: int) -> Array:
     """Return the corners (count, 3, 3)."""
     there = (len(content) - HEADER) // FACET.itemsize
     if there < count:
-        raise SceneError(
-            f"byte {len(content)}: it ends before the end of facet {there} of {count}, counted from 0"
-        )
+        raise SceneError(f"byte {len(content)}: facet {there} (counted from 0) of {count} is not whole")
     if there > count and content[HEADER + count * FACET.itemsize :].strip(b"\0"):
         raise SceneError(f"byte {HEADER}: its header announces {count} facets, and there are {there}")
     return np.frombuffer(content, FACET, count, HEADER)["corners"]

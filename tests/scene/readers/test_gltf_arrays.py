@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import gzip
 import json
 import math
 import struct
@@ -393,11 +394,25 @@ def test_a_file_may_be_latin_1_and_have_a_mark(tmp_path: Path, made: Made) -> No
         (tmp_path / "a.gltf").write_bytes(content)
         assert load(tmp_path / "a.gltf").object[0].name == "caf\ufffd"
     (tmp_path / "a bé.bin").write_bytes(made.buffer[:-1])
-    with pytest.raises(SceneError, match=r"^buffers\[0\] has 59 bytes, not the 60 announced$"):
+    with pytest.raises(SceneError, match=r"^buffers\[0\] has 59 bytes, not 60 as announced$"):
         Document(tmp_path / "a.gltf")
     (tmp_path / "a bé.bin").unlink()
     with pytest.raises(SceneError, match=r"buffers\[0\] is in a file that does not exist: 'a bé.bin'$"):
         Document(tmp_path / "a.gltf")
+
+
+def test_packed_files(tmp_path: Path, made: Made) -> None:
+    made.node()
+    uri = "data:;base64," + base64.b64encode(made.buffer).decode()
+    text = json.dumps({**made.tree, "buffers": [{"byteLength": len(made.buffer), "uri": uri}]}).encode()
+    for name, content in (
+        ("a.glb.gz", made.glb()),
+        ("b.gltf.gz", text),
+        ("c.gltf.GZ", text.decode().encode("utf-16")),
+    ):
+        (tmp_path / name).write_bytes(gzip.compress(content))
+        assert np.array_equal(Document(tmp_path / name).faces().vertices, CORNERS)
+        assert load(tmp_path / name).object[0].name == "mesh 0"
 
 
 def test_a_file_cut_off_anywhere_is_refused(tmp_path: Path, made: Made) -> None:

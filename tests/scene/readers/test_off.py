@@ -69,8 +69,8 @@ def test_a_file_cut_off_is_refused() -> None:
         ("OFF\n1 1 0\n0 0 0\n3 0 0\n", "line 4: cannot read '3 0 0': it has fewer numbers than it announces"),
         ("OFF\n1 1 0\n0 x 0\n3 0 0 0\n", "line 3: cannot read '0 x 0'"),
         ("OFF\n1 1 0\n0 0\n3 0 0 0\n", "line 3: cannot read '0 0': it has fewer numbers"),
-        ("OFF BINARY\n\0\0", "line 1: cannot read 'OFF BINARY': binary files "),
-        ("nOFF\n5\n", "line 1: cannot read 'nOFF': binary files and other spaces than 3D are not read"),
+        ("OFF BINARY\n\0\0", "line 1: cannot read 'OFF BINARY': only text "),
+        ("nOFF\n5\n", "line 1: cannot read 'nOFF': only text of points in 3D is read"),
     ],
 )
 def test_files_that_are_refused(content: str, problem: str) -> None:

@@ -132,7 +132,7 @@ def test_strips_as_text() -> None:
         ),
         (
             TEXT.replace("face 4", "face 5"),
-            "it ends before the end of row 4 (counted from 0) of the 5 of element face",
+            "row 4 (counted from 0) of the 5 of element face is not whole",
         ),
         (
             TEXT.replace("\n3 0 1 2", "\n4 0 1 2"),
@@ -147,11 +147,11 @@ def test_strips_as_text() -> None:
         (TEXT.replace("\n0.0 0.0 0.0", "\n0.0 0_0 0.0"), "line 12: cannot read '0.0 0_0 0.0'"),
         (
             write_ply(MESH, "<")[:-1],
-            "byte 326: it ends before the end of row 3 (counted from 0) of the 4 of element face",
+            "byte 307: row 3 (counted from 0) of the 4 of element face is not whole",
         ),
         (
             write_ply(MESH, "<", "int").replace(struct.pack("<i", 5), struct.pack("<i", -5)),
-            "byte 317: a list of -5 values in row 3 of element face",
+            "byte 317: row 3 (counted from 0) of the 4 of element face is not whole",
         ),
         (write_ply(MESH, "<").replace(b"face 4", b"face 99999999999"), "byte "),
     ],

@@ -125,7 +125,7 @@ REFUSED = {
         f"solid a\n{ONE}endsolid a\nsolid b\n{TWO[:-7]}",
         "line 11: cannot read 'facet normal 0 0 0'",
     ),
-    "binary.off": ("OFF BINARY\n\0\0\0\4", "line 1: cannot read 'OFF BINARY': binary files"),
+    "binary.off": ("OFF BINARY\n\0\0\0\4", "line 1: cannot read 'OFF BINARY': only text"),
 }
 
 

@@ -86,7 +86,7 @@ QUAD = TEXT.replace("  endloop", "    vertex 9 9 9\n  endloop", 1)
         (TEXT.replace("\n", "\r\n").replace("outer", "inner", 1), "line 2: cannot read"),
         (
             write_binary_stl(MESH)[:-1],
-            "byte 233: it ends before the end of facet 2 of 3, counted from 0",
+            "byte 233: facet 2 (counted from 0) of 3 is not whole",
         ),
         (write_binary_stl(MESH, after=b"x" * 50), "byte 84: its header announces 3 facets, and there are 4"),
     ],
