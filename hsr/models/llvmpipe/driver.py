@@ -75,7 +75,9 @@ class Prediction(NamedTuple):
     window: Floats
 
 
-def predict(view: View, upto: Cause = Cause.DEPTH_FORMAT, buffer: DepthBuffer = D24) -> Prediction:
+def predict(
+    view: View, upto: Cause = Cause.DEPTH_FORMAT, buffer: DepthBuffer = D24, samples: Array | None = None
+) -> Prediction:
     """Tell what a driver shows that works as modelled up to a stage, and without error after it.
 
     Parameters
@@ -85,6 +87,8 @@ def predict(view: View, upto: Cause = Cause.DEPTH_FORMAT, buffer: DepthBuffer = 
     upto : Cause
         The last of :data:`STAGES` that is done as the driver does it.
     buffer : DepthBuffer
+    samples : (n,) int64, optional
+        Numbers ``row * W + column`` of those that are asked about; others may be told wrong.
 
     Returns
     -------
@@ -100,7 +104,7 @@ def predict(view: View, upto: Cause = Cause.DEPTH_FORMAT, buffer: DepthBuffer = 
         arithmetic, clear, step = float32.UNORM, levels, 1.0 / levels
     triangle = np.full((view.height, view.width), -1, dtype=np.int32)
     depth = np.full((view.height, view.width), clear)
-    edges, closed, box, plane, faces = _outlines(view, upto, buffer)
+    edges, closed, box, plane, faces = _outlines(view, upto, buffer, _counted(view, samples))
     float32.draw(edges, closed, box, sign * plane, arithmetic, np.float32(levels), triangle, depth)
     face = np.append(faces, np.int32(BACKGROUND))[triangle]
     return Prediction(np.ascontiguousarray(face[::-1]), sign * step * depth[::-1])
@@ -154,19 +158,29 @@ def drawn_at(view: View, face: int, sample: int) -> Drawn | None:
 @lru_cache(maxsize=1)
 def _all_drawn(view: View) -> _Outlines:
     """Return all that the driver draws of a view; kept for the next samples of it."""
-    return _outlines(view, Cause.DEPTH_FORMAT, D24)
+    return _outlines(view, Cause.DEPTH_FORMAT, D24, _counted(view, None))
 
 
-def _outlines(view: View, upto: Cause, buffer: DepthBuffer) -> _Outlines:
-    size = (view.width, view.height)
+def _counted(view: View, samples: Array | None) -> Array:
+    """Count the samples (H + 1, W + 1) asked about in the rows below and columns before those given."""
+    asked = np.zeros((view.height + 1, view.width + 1), dtype=np.int64)
+    asked[:0:-1, 1:].flat[slice(None) if samples is None else samples] = 1
+    return np.asarray(asked.cumsum(axis=0).cumsum(axis=1))
+
+
+def _covering(box: Ints, counted: Array) -> Bools:
+    """Tell which boxes (n,) hold a sample that is asked about."""
+    left, bottom, right, top = np.maximum(box + np.array([0, 0, 1, 1]), 0).T
+    above, below = counted[top, right] - counted[top, left], counted[bottom, right] - counted[bottom, left]
+    return np.asarray((left < right) & (bottom < top) & (above > below))
+
+
+def _outlines(view: View, upto: Cause, buffer: DepthBuffer, counted: Array) -> _Outlines:
     # What lies behind the eye divides by zero, and is clipped away.
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        triangles = _input(view, upto, buffer)
-        if upto >= Cause.CLIPPING:
-            triangles = _clipped(triangles, buffer)
-        if upto >= Cause.VERTEX_SNAPPING:
-            return _snapped(triangles, size, upto, buffer)
-        return _homogeneous(triangles, size, upto, buffer)
+        triangles = _clip(view, buffer) if upto >= Cause.CLIPPING else _input(view, upto, buffer)
+        outlines = _snapped if upto >= Cause.VERTEX_SNAPPING else _homogeneous
+        return outlines(triangles, (view.width, view.height), upto, buffer, counted)
 
 
 class _Outlines(NamedTuple):
@@ -212,6 +226,12 @@ def _input(view: View, upto: Cause, buffer: DepthBuffer) -> Array:
     return triangles
 
 
+@lru_cache(maxsize=1)
+def _clip(view: View, buffer: DepthBuffer) -> Array:
+    """Return all triangles clipped; kept for the next stages."""
+    return _clipped(_input(view, Cause.CLIPPING, buffer), buffer)
+
+
 def _clipped(triangles: Array, buffer: DepthBuffer) -> Array:
     """Clip the triangles that cross a plane; what is left becomes a fan about its first corner."""
     # How far from 0 each clip plane is, in w.
@@ -254,17 +274,22 @@ def _batched(outside: Bools, cull: Array) -> Bools:
 # ---------------------------------------------------------------- edges on the sub-pixel grid
 
 
-def _snapped(triangles: Array, size: tuple[int, int], upto: Cause, buffer: DepthBuffer) -> _Outlines:
+def _snapped(
+    triangles: Array, size: tuple[int, int], upto: Cause, buffer: DepthBuffer, counted: Array
+) -> _Outlines:
     """Edges in integers, through corners on the sub-pixel grid counted from the first sample."""
     window = _window(triangles, size, buffer)
     one = 1 << SUBPIXEL_BITS
     grid = np.rint((window[:, :, :2] - np.float32(0.5)) * np.float32(one)).astype(np.int64)
+    box = _box(np.minimum.reduce(grid, axis=1) / one, np.maximum.reduce(grid, axis=1) / one, size)
+    near_by = np.flatnonzero(_covering(box, counted))
+    triangles, window, grid, box = triangles[near_by], window[near_by], grid[near_by], box[near_by]
 
     area = _area(grid)
     drawn = (area != 0) & ~_culled(area, triangles["cull"])
     # A batch in which something is clipped is culled by the area in float32 first.
     drawn &= ~(triangles["staged"] & _culled(_area(window), triangles["cull"]))
-    triangles, window, grid, area = triangles[drawn], window[drawn], grid[drawn], area[drawn]
+    triangles, window, grid, area, box = (of[drawn] for of in (triangles, window, grid, area, box))
 
     # The driver makes all run clockwise: it swaps the first two corners of those that do not.
     clockwise = np.where((area > 0)[:, None], [1, 0, 2], [0, 1, 2])[:, :, None]
@@ -274,7 +299,6 @@ def _snapped(triangles: Array, size: tuple[int, int], upto: Cause, buffer: Depth
     edges, closed = _integer_edges(grid, one, upto >= Cause.FILL_RULE)
     exact = upto < Cause.DEPTH_ARITHMETIC
     plane = _clip_plane(triangles["clip"], size, buffer) if exact else _window_plane(window)
-    box = _box(grid.min(axis=1) / one, grid.max(axis=1) / one, size)
     return _Outlines(edges, closed, box, plane, triangles["face"].copy())
 
 
@@ -337,7 +361,9 @@ def _window_plane(window: Array) -> Floats:
 # ---------------------------------------------------------------- edges from clip coordinates
 
 
-def _homogeneous(triangles: Array, size: tuple[int, int], upto: Cause, buffer: DepthBuffer) -> _Outlines:
+def _homogeneous(
+    triangles: Array, size: tuple[int, int], upto: Cause, buffer: DepthBuffer, counted: Array
+) -> _Outlines:
     """Edges from clip coordinates, for which no corner need lie in front of the eye.
 
     With a triangle's corners as vectors (x, y, w), the edge opposite a corner is the cross product
@@ -345,9 +371,12 @@ def _homogeneous(triangles: Array, size: tuple[int, int], upto: Cause, buffer: D
     conversion using 2D homogeneous coordinates", Graphics Hardware 1997).
     """
     clip = triangles["clip"].astype(np.float64)
-    area = np.linalg.det(clip[:, :, XYW])
-    drawn = (area != 0) & ~_culled(area, triangles["cull"])
-    clip, area = clip[drawn], area[drawn]
+    box = _box_beyond_near(clip, size, buffer)
+    near_by = np.flatnonzero(_covering(box, counted))
+    area = np.linalg.det(clip[near_by][:, :, XYW])
+    drawn = (area != 0) & ~_culled(area, triangles["cull"][near_by])
+    near_by, area = near_by[drawn], area[drawn]
+    clip, box, face = clip[near_by], box[near_by], triangles["face"][near_by]
     edges = _per_sample(_opposite_edges(clip) * np.sign(area)[:, None, None], size)
     closed = (edges[:, :, 1] > 0) | (edges[:, :, 1] == 0) & (edges[:, :, 2] < 0)
     plane = _clip_plane(clip, size, buffer)
@@ -356,7 +385,7 @@ def _homogeneous(triangles: Array, size: tuple[int, int], upto: Cause, buffer: D
         above, below = plane, [1.0, 0.0, 0.0] - plane
         edges = np.concatenate([edges, np.stack([above, below], axis=1)], axis=1)
         closed = np.concatenate([closed, np.ones((len(clip), 2), dtype=np.bool_)], axis=1)
-    return _Outlines(edges, closed, _box_beyond_near(clip, size, buffer), plane, triangles["face"][drawn])
+    return _Outlines(edges, closed, box, plane, face)
 
 
 def _opposite_edges(clip: Floats) -> Floats:

@@ -31,7 +31,7 @@ def predicted(view: View, options: Options) -> tuple[Ints, Floats]:
 
 def _up_to(stage: Cause) -> Stage:
     def faces(view: View, options: Options, samples: Array) -> Ints:
-        return driver.predict(view, stage, options.buffer).face.ravel()[samples]
+        return driver.predict(view, stage, options.buffer, samples).face.ravel()[samples]
 
     return Stage(stage, faces)
 

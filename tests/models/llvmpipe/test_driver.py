@@ -274,3 +274,12 @@ def test_nothing_is_seen_of_what_lies_behind_the_eye(upto: Cause) -> None:
     camera = {"type": "perspective", "eye": [0.0, 0.0, 0.0], "target": [0.0, 0.0, -1.0]}
     behind = np.array([[[-1.0, -1.0, 2.0], [1.0, -1.0, 2.0], [0.0, 1.0, 0.0]]])
     assert (faces(scene_of([behind], camera, (8, 8), ["none"]), upto) == -1).all()
+
+
+@pytest.mark.parametrize("upto", STAGES, ids=lambda stage: stage.label)
+@pytest.mark.parametrize("seed", range(8))
+def test_asked_about_some_samples_it_says_of_them_what_it_says_of_all(seed: int, upto: Cause) -> None:
+    seen = random_view(seed)
+    samples = np.random.default_rng(seed).integers(seen.width * seen.height, size=seed)
+    some = predict(seen, upto, samples=samples)
+    assert np.array_equal(some.face.ravel()[samples], faces(seen, upto).ravel()[samples])
