@@ -31,7 +31,7 @@ CHUNK = 1 << 16
 # & Computational Geometry 18 (1997), bound A of orient2d; and more than its products lose by underflow.
 ERROR, UNDERFLOW = (3.0 + 16.0 * 2.0**-53) * 2.0**-53, 2.0**-1000
 
-MAX_WORK = 100_000_000
+MAX_WORK = 30_000_000
 """Corners that may be looked at, of all polygons: a spiral takes the square of its corners."""
 
 
@@ -136,7 +136,7 @@ class _Ring:
                 yield a, b, c
                 before[c], after[a], after[b] = a, c, -1
                 left, idle = left - 1, -1
-            b, idle = c, idle + 1
+            b, idle, self.work = c, idle + 1, self.work + 1
             if self.work > most:
                 raise SceneError("its concave polygons wind too much; cut them into triangles")
 

@@ -76,11 +76,17 @@ class Arrays:
     ------
     SceneError
         If a file of a buffer cannot be read, or has fewer bytes than the document says.
+
+    Attributes
+    ----------
+    bytes : int
+        Of all buffers.
     """
 
     def __init__(self, tree: dict[str, Any], folder: Path, chunk: list[bytes]) -> None:
         self._tree, self._folder = tree, folder
         self._buffers = [self._load(k, table, chunk) for k, table in enumerate(tree.get("buffers", []))]
+        self.bytes = sum(len(buffer or b"") for buffer in self._buffers)
 
     def _load(self, k: int, table: dict[str, Any], chunk: list[bytes]) -> bytes | None:
         """Return the bytes of a buffer; None if it only stands for what a compressed one would unpack to."""
@@ -129,7 +135,7 @@ class Arrays:
         component, count, width = COMPONENTS[table["componentType"]], table["count"], WIDTHS[kind]
         if "bufferView" in table:
             found = self._view(table, component, count, width)
-        elif count <= sum(len(buffer or b"") for buffer in self._buffers):
+        elif count <= self.bytes:
             found = np.zeros((count, width), component)
         else:
             raise SceneError(f"accessors[{index}] announces {count} values, more than there are bytes")

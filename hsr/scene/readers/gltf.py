@@ -49,6 +49,9 @@ OF_LOOKS = ("materials", "textures", "images", "samplers")
 LISTED = ("extensionsUsed", "extensionsRequired")
 """Parts of a document that bear on no shape."""
 
+REPEATED, MANY = 16, 1_000_000
+"""Vertices and triangles that each byte of the buffers may make, and what any file may have."""
+
 DEEPEST = 500
 """Nodes below each other."""
 
@@ -73,11 +76,11 @@ class Node(NamedTuple):
 
 
 class Geometry(NamedTuple):
-    """What a part is made of: a mesh, what its morph targets weigh, and the node if that has a skin."""
+    """What a part is made of: a mesh, what its morph targets weigh, and a skin."""
 
     mesh: int
     weights: tuple[float, ...]
-    skinned: int | None = None
+    skin: int | None = None
 
 
 class Document:
@@ -105,6 +108,7 @@ class Document:
     def __init__(self, path: Path) -> None:
         self._path = path
         self._read: dict[str, Faces] = {}
+        self._made = 0
         with reading(path):
             content = content_of(path)
             packed = content.startswith(MAGIC) or ending_of(path) == ".glb"
@@ -193,6 +197,8 @@ class Document:
                 part = self._names[self._geometry(chain[0])]
                 placings = self._placings(chain) if len(self._part(part).sides) else ()
                 found += [(self._name(chain[0]), steps, part) for steps in placings]
+            if len(found) > MANY:
+                raise SceneError(f"it has more than {MANY} nodes and instances; export fewer")
         names = unique([name for name, _, _ in found])
         return [Node(name, steps, part) for name, (_, steps, part) in zip(names, found, strict=True)]
 
@@ -268,7 +274,7 @@ class Document:
     def _geometry(self, k: int) -> Geometry:
         table = self._table(k)
         weights = table.get("weights", self._entry("meshes", table["mesh"]).get("weights", ()))
-        return Geometry(table["mesh"], tuple(weights), k if "skin" in table else None)
+        return Geometry(table["mesh"], tuple(weights), table.get("skin"))
 
     def _part(self, name: str) -> Faces:
         if name not in self._read:
@@ -288,8 +294,12 @@ class Document:
                 vertices.append(self._vertices(primitive, geometry))
                 starts[key] = size, len(vertices[-1])
                 size += len(vertices[-1])
+                self._made += len(vertices[-1])
             start, count = starts[key]
             triangles.append(start + self._triangles(primitive, count))
+            self._made += len(triangles[-1])
+            if self._made > REPEATED * self._arrays.bytes + MANY:
+                raise SceneError("its meshes repeat what is in its buffers too often; export fewer")
         return Faces.of_rows(np.concatenate(vertices), np.concatenate(triangles))
 
     def _vertices(self, primitive: dict[str, Any], geometry: Geometry) -> Floats:
@@ -303,13 +313,13 @@ class Document:
         for weight, target in zip(geometry.weights, primitive.get("targets", ()), strict=False):
             if weight and "POSITION" in target:
                 position += weight * self._arrays.read(target["POSITION"], "VEC3", len(position))
-        return position if geometry.skinned is None else self._skinned(position, attributes, geometry.skinned)
+        return position if geometry.skin is None else self._skinned(position, attributes, geometry.skin)
 
-    def _skinned(self, position: Floats, attributes: dict[str, Any], node: int) -> Floats:
+    def _skinned(self, position: Floats, attributes: dict[str, Any], index: int) -> Floats:
         """Move vertices into the world: each by the mean of its joints' matrices, as it weighs them."""
         if "JOINTS_0" not in attributes:
-            raise SceneError(f"node {node} has a skin, and its mesh has no joints; export it without skin")
-        skin = self._entry("skins", self._table(node)["skin"])
+            raise SceneError("a node has a skin, and its mesh has no joints; export it without skin")
+        skin = self._entry("skins", index)
         matrices = np.array([self._world(joint) for joint in skin["joints"]])
         if "inverseBindMatrices" in skin:
             columns = self._arrays.read(skin["inverseBindMatrices"], "MAT4")

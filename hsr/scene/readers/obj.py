@@ -42,15 +42,18 @@ def _joined(content: bytes) -> Iterator[tuple[int, bytes]]:
 
     Only lists of numbers are continued: a name or a comment may be a path that ends in a backslash.
     """
-    begun, start = b"", 0
+    begun: list[bytes] = []
+    start = 0
     for number, line in lines(content):
         text = bare(line).strip()
-        start, text = (start, begun + b" " + text) if begun else (number, text)
-        begun = text[:-1] if text.endswith(b"\\") and text.startswith((b"v", b"f")) else b""
-        if not begun:
-            yield start, text
+        start = start if begun else number
+        if text.endswith(b"\\") and (begun or text.startswith((b"v", b"f"))):
+            begun.append(text[:-1])
+        else:
+            yield start, b" ".join([*begun, text])
+            begun = []
     if begun:
-        yield start, begun
+        yield start, b" ".join(begun)
 
 
 def _index(word: bytes, vertices: int) -> int:

@@ -7,7 +7,7 @@ Stanford scans: an element ``tristrips`` of lists in which -1 begins another str
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from struct import Struct
 from typing import Any, Literal, NamedTuple
 
@@ -113,6 +113,7 @@ def _lists(found: dict[str, Columns], name: str) -> Column:
 def _header(content: bytes) -> tuple[str, list[Element], int, int]:
     """Return the order of bytes, empty for text; the elements; the byte and the line after the header."""
     order, elements, ending = None, list[Element](), b""
+    taken: set[tuple[int, bytes]] = set()  # names of elements, of number 0, and of properties of each
     for number, found in enumerate(LINE.finditer(content), 1):
         words, ending = found[1].split(), ending or found[2]
         if number == 1 and words != [b"ply"]:
@@ -125,10 +126,12 @@ def _header(content: bytes) -> tuple[str, list[Element], int, int]:
                     pass
                 case [b"format", form, _]:
                     order = ORDERS[form]
-                case [b"element", name, count] if count.isdigit():
-                    elements.append(Element(_new(name, elements), whole(count), []))
-                case [b"property", *types, name]:
-                    elements[-1].properties.append(_property(_new(name, elements[-1].properties), types))
+                case [b"element", name, count] if count.isdigit() and (0, name) not in taken:
+                    taken.add((0, name))
+                    elements.append(Element(name.decode("latin-1"), whole(count), []))
+                case [b"property", *types, name] if (len(elements), name) not in taken:
+                    taken.add((len(elements), name))
+                    elements[-1].properties.append(_property(name.decode("latin-1"), types))
                 case [b"end_header"] if order is not None:
                     # Where lines end in CR alone, a byte of 10 is the first of what follows.
                     end = found.start(2) + 1 if ending == b"\r" else found.end()
@@ -138,14 +141,6 @@ def _header(content: bytes) -> tuple[str, list[Element], int, int]:
         except (ValueError, KeyError, IndexError):
             raise unreadable(number, found[1]) from None
     raise AssertionError
-
-
-def _new(name: bytes, others: Sequence[Element | Property]) -> str:
-    """Return a name that is not yet taken."""
-    text = name.decode("latin-1")
-    if any(other.name == text for other in others):
-        raise ValueError
-    return text
 
 
 def _property(name: str, types: list[bytes]) -> Property:

@@ -19,7 +19,7 @@ from hsr.scene.readers.source import decimal, plain, unreadable
 HEADER = 84
 FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
-TEXT = re.compile(rb"\s*solid\b[^\r\n]*[\r\n]+\s*(facet|end)", re.IGNORECASE)
+TEXT = re.compile(rb"\s*solid\b[^\r\n]*[\r\n]\s*(facet|end)", re.IGNORECASE)
 """How a text file starts; the header of a binary one may begin with the same word."""
 
 SOLID = re.compile(rb"\s*solid\b[^\r\n]*", re.IGNORECASE)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import pytest
@@ -99,6 +100,38 @@ def test_damaged_files_are_read_or_refused(
     path = tmp_path / name
     path.write_bytes(content)
     read(path)
+
+
+MANY = 100_000
+LONG = {
+    "blank.stl": b"solid x" + b"\n" * MANY + b"x",
+    "spaces.stl": b"solid x\n" + b" " * MANY + b"facet normal 0 0 0 outer loop vertex 0 0" + b" " * MANY,
+    "solids.stl": b"solid x\nendsolid\n" * MANY,
+    "continued.obj": b"v 0 \\\n" * MANY,
+    "properties.ply": b"ply\nformat ascii 1.0\nelement vertex 1\n"
+    + b"".join(b"property int a%d\n" % k for k in range(MANY))
+    + b"end_header\n0\n",
+    "elements.ply": b"ply\nformat ascii 1.0\n"
+    + b"".join(b"element a%d 9\n" % k for k in range(MANY))
+    + b"end_header\n",
+    "comments.off": b"OFF\n" + b"#\n" * MANY,
+    "nested.gltf": b"[" * MANY,
+    "corners.off": b"OFF %d 1\n" % MANY
+    + b"".join(b"%d %d 0\n" % (k % 2, k * k % 65537) for k in range(MANY))
+    + b"%d " % MANY
+    + b" ".join(b"%d" % k for k in range(MANY)),
+}
+
+
+@pytest.mark.parametrize("name", LONG)
+def test_no_time_grows_with_the_square_of_a_file(
+    tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(triangulation, "MAX_WORK", 200_000)
+    (tmp_path / name).write_bytes(LONG[name])
+    start = time.process_time()
+    read(tmp_path / name)
+    assert time.process_time() - start < 20.0
 
 
 @pytest.mark.parametrize("path", sorted(CORPUS.glob("*.*")), ids=lambda path: path.name)

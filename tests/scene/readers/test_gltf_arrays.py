@@ -18,6 +18,7 @@ from hsr.base.errors import SceneError
 from hsr.scene import files, transforms
 from hsr.scene.files import load, shape_of
 from hsr.scene.model import Perspective
+from hsr.scene.readers import gltf
 from hsr.scene.readers.gltf import Document
 from hsr.scene.transforms import compose, placed
 
@@ -239,7 +240,7 @@ def test_a_skin_moves_vertices_into_the_world(tmp_path: Path, made: Made, bound:
     (found,) = triangles(tmp_path, made)
     assert np.allclose(found, expected[[[0, 1, 2], [0, 1, 3]]], rtol=0, atol=1e-14)
     del made.tree["meshes"][1]["primitives"][0]["attributes"]["JOINTS_0"]
-    assert refused(tmp_path, made) == "node 0 has a skin, and its mesh has no joints; export it without skin"
+    assert refused(tmp_path, made) == "a node has a skin, and its mesh has no joints; export it without skin"
 
 
 def test_instances(tmp_path: Path, made: Made) -> None:
@@ -326,6 +327,18 @@ def test_the_work_grows_with_the_number_of_primitives(tmp_path: Path, made: Made
     triangles(tmp_path, made)
     faces = Document(tmp_path / "a.glb").faces()
     assert faces.vertices.shape == (4, 3) and len(faces.sides) == 10_000
+
+
+def test_what_is_repeated_is_bounded(tmp_path: Path, made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(gltf, "MANY", 100)
+    primitive = made.tree["meshes"][0]["primitives"][0]
+    made.tree["meshes"][0]["primitives"] = [primitive] * 1000
+    made.node()
+    assert refused(tmp_path, made) == "its meshes repeat what is in its buffers too often; export fewer"
+    made.tree["meshes"][0]["primitives"] = [primitive]
+    for _ in range(100):
+        made.node()
+    assert refused(tmp_path, made) == "it has more than 100 nodes and instances; export fewer"
 
 
 # ---------------------------------------------------------------- extensions
