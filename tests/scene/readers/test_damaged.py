@@ -3,19 +3,32 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from hsr.base.errors import HsrError
 from hsr.scene import triangulation
-from hsr.scene.meshes import mesh_shape
+from hsr.scene.meshes import Faces, mesh_shape
 from hsr.scene.readers import READERS
 from hsr.scene.readers.gltf import Document
+from hsr.scene.readers.off import read_off
+from hsr.scene.readers.ply import read_ply
 from hsr.scene.readers.source import content_of, reading
-from tests.scene.readers.made import Mesh, write_binary_stl, write_obj, write_off, write_ply, write_stl
+from hsr.scene.readers.stl import read_stl
+from tests.scene.readers.made import (
+    Mesh,
+    meshes,
+    write_binary_stl,
+    write_obj,
+    write_off,
+    write_ply,
+    write_stl,
+)
 from tests.scene.readers.test_gltf_arrays import Made
 
 CORPUS = Path(__file__).parent / "corpus"
@@ -100,6 +113,36 @@ def test_damaged_files_are_read_or_refused(
     path = tmp_path / name
     path.write_bytes(content)
     read(path)
+
+
+WRITERS: list[tuple[Callable[[Mesh], bytes], Callable[[bytes], Faces]]] = [
+    (lambda mesh: write_ply(mesh, ""), read_ply),
+    (lambda mesh: write_ply(mesh, "", extra=True), read_ply),
+    (lambda mesh: write_ply(mesh, "<", "ushort", "uint32", True), read_ply),
+    (lambda mesh: write_ply(mesh, ">", "char", "int16"), read_ply),
+    (lambda mesh: write_stl(mesh, solids=2), read_stl),
+    (write_binary_stl, read_stl),
+    (write_off, read_off),
+]
+
+
+@settings(max_examples=300)
+@given(meshes(most=3), st.sampled_from(WRITERS), st.floats(0, 1))
+def test_a_file_cut_off_is_refused_or_tells_no_lies(
+    mesh: Mesh, flavour: tuple[Callable[[Mesh], bytes], Callable[[bytes], Faces]], where: float
+) -> None:
+    write, read = flavour
+    content = write(mesh)
+    cut, whole = content[: int(where * len(content))], read(content)
+    try:
+        faces = read(cut)
+    except HsrError:
+        return
+    # Only the digits of the last number may be missing, and text in STL announces no facets.
+    count = cut.count(b"endfacet") if read is read_stl else len(whole.sides)
+    assert faces.sides.tolist() == whole.sides[:count].tolist()
+    assert faces.corner[:-1].tolist() == whole.corner[: int(faces.sides.sum()) - 1].tolist()
+    assert np.array_equal(faces.vertices, whole.vertices[: len(faces.vertices)])
 
 
 MANY = 100_000

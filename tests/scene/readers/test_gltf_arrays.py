@@ -443,6 +443,7 @@ def test_a_file_cut_off_anywhere_is_refused(tmp_path: Path, made: Made) -> None:
     ("keys", "problem"),
     [
         ({"accessors": [{"count": 3, "bufferView": 0}] * 2}, "not a readable GLB file (KeyError: 'type')"),
+        ({"asset": {"version": "1.0"}, "meshes": {"m": {}}}, "it is of glTF 1.0; export it as glTF 2.0"),
         ({"bufferViews": []}, "bufferViews[0] does not exist; there are 0"),
         ({"meshes": [{"primitives": [{"attributes": {"POSITION": -1}}]}]}, "accessors[-1] does not exist"),
         (
