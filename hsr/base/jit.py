@@ -2,7 +2,7 @@
 
 No ``fastmath``, not even contraction of ``a * b + c``: the signs that decide visibility must be
 those of plain IEEE arithmetic, on every processor. ``error_model="numpy"`` makes a division by
-zero an infinity instead of an exception. Compiled kernels are cached on disk.
+zero an infinity instead of an exception. Compiled kernels are cached on disk, where that can be written.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import re
 import sys
 from collections.abc import Callable
 from contextlib import suppress
-from functools import wraps
+from functools import cache, wraps
 from pathlib import Path
 from threading import RLock
 from types import SimpleNamespace
@@ -26,6 +26,7 @@ if "OMP_WAIT_POLICY" not in os.environ:
     os.environ.setdefault("GOMP_SPINCOUNT", "1000")
 
 import numba
+from numba.core.caching import FunctionCache
 from numba.np.ufunc.parallel import threading_layer
 
 from hsr.base.errors import HsrError
@@ -40,12 +41,12 @@ thread_count = numba.get_num_threads
 
 def jit(function: Function) -> Function:
     """Compile a kernel of numbers and arrays for one thread."""
-    return cast(Function, numba.njit(cache=True, error_model="numpy", nogil=True)(function))
+    return cast(Function, _cached(function, nogil=True))
 
 
 def inline_jit(function: Function) -> Function:
     """Compile a small kernel into each of its callers: passing arrays takes longer than some of them do."""
-    return cast(Function, numba.njit(cache=True, error_model="numpy", nogil=True, forceinline=True)(function))
+    return cast(Function, _cached(function, nogil=True, forceinline=True))
 
 
 def parallel_jit(function: Function) -> Function:
@@ -59,7 +60,7 @@ def parallel_jit(function: Function) -> Function:
     HsrError
         When called in a process that was forked from one with threads of GNU OpenMP, which stay there.
     """
-    kernel = numba.njit(cache=True, error_model="numpy", parallel=True)(function)
+    kernel = _cached(function, parallel=True)
 
     @wraps(function)
     def run(*given: Any) -> Any:
@@ -73,6 +74,43 @@ def parallel_jit(function: Function) -> Function:
     vars(run)["py_func"] = function  # as kernels for one thread have it
     return cast(Function, run)
 
+
+class _Cache(FunctionCache):
+    """Numba's kernels on disk, where what is damaged is compiled again, and a full disk does not matter."""
+
+    def load_overload(self, *given: Any) -> Any:
+        try:
+            return super().load_overload(*given)  # type: ignore[no-untyped-call]
+        except Exception:  # reading what is damaged raises almost anything
+            with suppress(Exception):
+                self.flush()  # type: ignore[no-untyped-call]
+            return None
+
+    def save_overload(self, *given: Any) -> None:
+        with suppress(Exception):
+            super().save_overload(*given)  # type: ignore[no-untyped-call]
+
+
+def _cached(function: Function, **options: Any) -> Any:
+    """Compile a kernel that is kept on disk; where no folder can be written, for this process alone."""
+    kernel = numba.njit(error_model="numpy", **options)(function)
+    try:
+        kernel._cache = _Cache(function)  # type: ignore[no-untyped-call]
+    except (OSError, RuntimeError):
+        _tell_uncached()
+    return kernel
+
+
+@cache
+def _tell_uncached() -> None:
+    """Say, once, why everything takes long."""
+    told = "compiled kernels cannot be kept, so all is compiled every time: name a folder in NUMBA_CACHE_DIR"
+    print(f"hsr: {told}", file=sys.stderr)
+
+
+UNCACHED = (
+    "compiled kernels cannot be kept, which takes a minute every time: name a folder in NUMBA_CACHE_DIR"
+)
 
 SHARED = ("omp", "tbb")
 """The layers of threads that several threads of Python may use at once."""
@@ -160,7 +198,7 @@ def _imported(package: Path, text: dict[Path, bytes], file: Path) -> set[Path]:
 
 def is_compiled(method: str) -> bool:
     """Tell whether the kernels of a method have been compiled here before, as far as is known."""
-    return _stamp(method).exists()
+    return os.path.exists(_stamp(method))  # noqa: PTH110  # not to be read is not to be there
 
 
 def note_compiled(method: str) -> None:

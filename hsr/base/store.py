@@ -43,6 +43,15 @@ def code() -> str:
     return found.hexdigest()
 
 
+def _place() -> Path:
+    """Return the folder of the store; for a user without a home one that nobody can make."""
+    try:
+        caches = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+        return Path(os.environ.get(PLACE) or Path(caches) / "hsr")
+    except RuntimeError:
+        return Path(os.devnull, "hsr")
+
+
 class Store:
     """A folder of results by their digests; those not asked for the longest go when it is full.
 
@@ -63,8 +72,7 @@ class Store:
 
     def __init__(self, folder: Path | None = None, megabytes: int | None = None, fresh: bool = False) -> None:
         self.since = time.time() if fresh else 0.0
-        caches = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-        self.folder = folder or Path(os.environ.get(PLACE) or Path(caches) / "hsr")
+        self.folder = folder or _place()
         told = megabytes or os.environ.get(LIMIT) or MEGABYTES
         if not str(told).isdecimal():
             raise HsrError(f"{LIMIT}={told}: write a number of megabytes, such as {MEGABYTES}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import subprocess
 import sys
 from multiprocessing import get_context
 from pathlib import Path
@@ -127,3 +128,43 @@ def test_a_folder_that_cannot_be_written_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "kernels").mkdir()
     (tmp_path / "kernels" / "__pycache__").write_text("a file in the way", encoding="utf-8")
     forget_stale_kernels(tmp_path)
+
+
+# ---------------------------------------------------------------- a cache that does not work
+
+USED = """
+import os
+import subprocess
+import sys
+from pathlib import Path
+from kernel import twice
+print(twice(4), *sorted(file.suffix for file in Path("cache").rglob("*.nb*")))
+"""
+
+
+def used(folder: Path, **environment: str) -> tuple[str, str]:
+    """Run a kernel in a process of its own; return what it prints, and its complaints."""
+    source = "from hsr.base.jit import jit\n\n\n@jit\ndef twice(x):\n    return 2 * x\n"
+    (folder / "kernel.py").write_text(source, encoding="utf-8")
+    environment = {**os.environ, "NUMBA_CACHE_DIR": "cache", "PYTHONDONTWRITEBYTECODE": "1", **environment}
+    command = [sys.executable, "-c", f"import sys; sys.path.insert(0, '.')\n{USED}"]
+    run = subprocess.run(command, capture_output=True, text=True, check=True, env=environment, cwd=folder)
+    return run.stdout, run.stderr
+
+
+def test_damaged_kernels_are_compiled_again(tmp_path: Path) -> None:
+    assert used(tmp_path) == ("8 .nbc .nbi\n", "")
+    for ending in ("nbi", "nbc"):
+        for content in (b"", b"no kernel", None):
+            (file,) = (tmp_path / "cache").rglob(f"*.{ending}")
+            file.write_bytes(file.read_bytes()[:-9] if content is None else content)
+            assert used(tmp_path) == ("8 .nbc .nbi\n", "")
+
+
+def test_where_nothing_can_be_kept_kernels_run_all_the_same(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    # Numba tries the folder that is named, the one of the source, and the user's.
+    classes = "UserProvidedCacheLocator"
+    shown, told = used(tmp_path, NUMBA_CACHE_DIR="file/cache", NUMBA_CACHE_LOCATOR_CLASSES=classes)
+    assert shown == "8\n"
+    assert told.startswith("hsr: compiled kernels cannot be kept") and told.count("\n") == 1
