@@ -1,15 +1,16 @@
 """The command ``hsr``: its verbs, tied together, and how it ends.
 
 Exit codes: 0 done or same, 1 differs, 2 usage or input, 3 what was asked for by name (OpenGL,
-Embree) is missing, 70 a mistake of the program itself. Results go to standard output, everything else to
-standard error.
+Embree) is missing, 70 a mistake of the program itself, 130 interrupted by Ctrl-C, 141 nobody reads
+any more what is printed. Results go to standard output, everything else to standard error.
 """
 
 from __future__ import annotations
 
+import os
 import sys
 import traceback
-from io import TextIOWrapper
+from collections.abc import Sequence
 from typing import Annotated
 
 from typer import Context, Exit, Option, Typer
@@ -46,24 +47,53 @@ for name, verbs in (("scene", scene_app), ("bench", bench_app), ("stability", st
     app.add_typer(verbs, name=name)
 
 
-def main() -> None:
-    """Run the command; turn every error into one line and an exit code."""
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, TextIOWrapper):  # names may have characters that the terminal has not
-            stream.reconfigure(errors="backslashreplace")
+def main(heard: Sequence[int] = ()) -> None:
+    """Run the command; turn every error into one line and an exit code.
+
+    Parameters
+    ----------
+    heard : sequence of int
+        Signals that were heard: what is raised then is no mistake, and goes to the caller.
+    """
     try:
-        app()
+        try:
+            app()
+        finally:
+            sys.stdout.flush()
+    except SystemExit as end:
+        if not isinstance(end.__context__, BrokenPipeError):
+            raise
+        _print_no_more()
+        sys.exit(cli.UNREAD)
+    except BrokenPipeError:
+        _print_no_more()
+        sys.exit(cli.UNREAD)
     except HsrError as error:
         _fail(str(error), cli.MISSING if isinstance(error, UnavailableError) else cli.USAGE)
+    except OSError as error:
+        if error.filename is None:
+            _print_no_more()
+        _fail(f"{error.filename or 'standard output'}: {error.strerror or error}", cli.USAGE)
+    except MemoryError as error:
+        _fail(f"there is not enough memory for this: {error}", cli.USAGE)
     except Exception as error:
+        if heard:
+            raise
         place = traceback.extract_tb(error.__traceback__)[-1]
-        what = f"{type(error).__name__}: {error} ({place.filename}:{place.lineno})"
-        _fail(f"a mistake of the program, please report it: {what}", cli.MISTAKE)
+        what = f"{type(error).__name__}: {' '.join(str(error).split())} ({place.filename}:{place.lineno})"
+        _fail(f"a mistake of the program, please report it: {what}; 'hsr --debug' tells more", cli.MISTAKE)
 
 
 def _fail(text: str, code: int) -> None:
+    if "--debug" in sys.argv:
+        cli.say(traceback.format_exc(), to=cli.err)
     cli.say(*(f"hsr: {line}" for line in text.splitlines()), to=cli.err)
     sys.exit(code)
+
+
+def _print_no_more() -> None:
+    """Let go of what cannot be printed, lest Python tries again at the end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _version(wanted: bool) -> None:
@@ -72,11 +102,12 @@ def _version(wanted: bool) -> None:
         raise Exit
 
 
+Debug = Annotated[bool, Option("--debug", help="Also print where in the program an error arose.")]
 Version = Annotated[bool, Option("--version", callback=_version, is_eager=True, help="Print the version.")]
 
 
 @app.callback(invoke_without_command=True)
-def _options(context: Context, version: Version = False) -> None:  # noqa: ARG001
+def _options(context: Context, version: Version = False, debug: Debug = False) -> None:  # noqa: ARG001
     if context.invoked_subcommand is None and sys.stdout.isatty():
         context.invoke(demo)
     elif context.invoked_subcommand is None:

@@ -35,8 +35,9 @@ ALL = "all"
 FORMAT = 1
 """Of the JSON that verbs print: a number for each way of writing it, from 1."""
 
-DIFFERS, USAGE, MISSING, MISTAKE = 1, 2, 3, 70
-"""Exit codes: something differs, usage or input, a method asked for by name is missing, a mistake of ours."""
+DIFFERS, USAGE, MISSING, MISTAKE, UNREAD = 1, 2, 3, 70, 141
+"""Exit codes: something differs, usage or input, a method asked for by name is missing, a mistake of ours,
+nobody reads standard output any more."""
 
 
 def output(about: str, *endings: str, name: str = "--output", **more: Any) -> Any:

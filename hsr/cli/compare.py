@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
+from signal import SIG_IGN, SIGINT, signal
 from typing import TYPE_CHECKING, Annotated
 
 from typer import BadParameter, Exit, Option
@@ -104,7 +105,11 @@ def _explained(studies: Sequence[Study], explain: Explain, step: Progress) -> It
     new = sum(any(RECALLED not in map.notes for map in found.maps.values()) for found in studies)
     apart = ProcessPoolExecutor(mp_context=get_context("spawn"), initializer=_alone) if new >= MANY else None
     with apart or nullcontext():
-        for found, causes in zip(studies, (apart.map if apart else map)(explain, studies), strict=True):
+        # Ctrl-C goes to all processes; those that are started here leave it to this one.
+        heard = signal(SIGINT, SIG_IGN)
+        answers = (apart.map if apart else map)(explain, studies)
+        signal(SIGINT, heard)
+        for found, causes in zip(studies, answers, strict=True):
             step(f"{found.name}: causes")
             yield replace(found, causes=causes)
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -118,3 +120,69 @@ def test_names_may_have_any_characters(tmp_path: Path, encoding: str) -> None:
         assert (done.returncode, done.stderr) == (0, b"")
         (*lines, last) = done.stdout.decode(encoding).split("\n")
         assert lines and last == "" and [*map(printable, lines)] == lines
+
+
+def test_debug_adds_where_an_error_arose(run: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken() -> Any:
+        raise KeyError("no such thing")
+
+    monkeypatch.setattr(registry, "methods", broken)
+    code, _, problem = run("--debug", "algos")
+    assert code == 70 and "in broken" in problem and problem.splitlines()[-1].startswith("hsr: a mistake")
+    code, _, problem = run("--debug", "diff", "none.npz", "none.npz")
+    assert code == 2 and "in load_map" in problem and problem.splitlines()[-1].startswith("hsr: none.npz")
+
+
+# ---------------------------------------------------------------- ended by others
+
+HSR = [sys.executable, "-m", "hsr.cli"]
+
+
+def started(scenes: Path, *arguments: str, **how: Any) -> subprocess.Popen[str]:
+    return subprocess.Popen([*HSR, *arguments], cwd=scenes.parent, stderr=subprocess.PIPE, text=True, **how)
+
+
+def interrupted(process: subprocess.Popen[str]) -> None:
+    """Send Ctrl-C as a terminal does: to all processes of the group."""
+    os.killpg(process.pid, signal.SIGINT)
+    problem = process.communicate(timeout=60)[1]
+    assert (process.returncode, problem) == (130, "hsr: interrupted\n")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+@pytest.mark.parametrize("seconds", [0.0, 0.05, 0.1, 0.2, 0.4, 0.8, 1.5, 3.0])
+def test_ctrl_c_is_one_line_and_130(scenes: Path, seconds: float) -> None:
+    watched = ["-c", "from hsr.cli import main; print('ready', flush=True); main()"]
+    arguments = ["compare", "teapot", "-a", "zbuffer", "-a", "raycast", "--size", "2000", "--fresh"]
+    process = subprocess.Popen(
+        [sys.executable, *watched, *arguments],
+        cwd=scenes.parent,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert process.stdout is not None and process.stdout.readline() == "ready\n"
+    time.sleep(0.02 + seconds)
+    interrupted(process)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="pipes of POSIX")
+def test_a_reader_that_has_gone_is_no_difference(scenes: Path) -> None:
+    process = started(scenes, "schema", "compare", stdout=subprocess.PIPE)
+    assert process.stdout is not None
+    process.stdout.close()
+    process.stdout = None
+    assert process.communicate() == (None, "") and process.returncode == 141
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no full disk here")
+def test_a_full_disk_is_one_line_and_2(scenes: Path) -> None:
+    with Path("/dev/full").open("w", encoding="ascii") as full:
+        for arguments in (["scenes"], ["schema", "compare"], ["algos", "--json"]):
+            process = started(scenes, *arguments, stdout=full)
+            problem = process.communicate()[1]
+            assert (process.returncode, problem) == (
+                2,
+                "hsr: standard output: No space left on device\n",
+            )
