@@ -11,6 +11,7 @@ import os
 import sys
 import traceback
 from collections.abc import Sequence
+from io import TextIOWrapper
 from typing import Annotated
 
 from typer import Context, Exit, Option, Typer
@@ -55,6 +56,9 @@ def main(heard: Sequence[int] = ()) -> None:
     heard : sequence of int
         Signals that were heard: what is raised then is no mistake, and goes to the caller.
     """
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # names may have characters that the terminal has not
+            stream.reconfigure(errors="backslashreplace")
     try:
         try:
             app()
