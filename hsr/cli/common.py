@@ -267,10 +267,11 @@ def milliseconds(seconds: dict[str, float]) -> str:
 
 @contextmanager
 def progress(quiet: bool, total: int) -> Iterator[Callable[[str], None]]:
-    """Show a bar on standard error when it is a terminal; the yielded function starts a step."""
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+    """Show a bar and the time left, if standard error is a terminal; the yielded function starts a step."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
+    what, left = TextColumn("{task.description}"), (TextColumn("left"), TimeRemainingColumn())
+    columns = (BarColumn(20), MofNCompleteColumn(), *left, what)
     with Progress(*columns, console=err, transient=True, disable=quiet or not err.is_terminal) as bar:
         task = bar.add_task("", total=total, completed=-1)
         yield lambda name: bar.update(task, description=name, advance=1)
