@@ -10,25 +10,26 @@ is told, ``model="float32", subpixel_bits=4`` (see :func:`hsr.testing.modelled`)
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PIL import Image
+from PIL.PngImagePlugin import PngImageFile
 
 from hsr.base.arrays import Array, Ints
-from hsr.base.errors import MapError
+from hsr.base.errors import MapError, told_briefly
 from hsr.models.foreign import modelled
 from hsr.problem.map import BACKGROUND, NO_DEPTH, Admissible, VisibilityMap
-from hsr.problem.view import View
+from hsr.problem.view import MAX_SIDE, View
+
+PNG = b"\x89PNG\r\n\x1a\n"
+"""How a PNG file begins."""
 
 MISS = 0xFFFFFFFF
 """Open3D's id of a ray that hits nothing."""
-
-EXACT_FLOATS = 2**24
-"""Up to here float32 holds every whole number."""
 
 
 def from_ids(
@@ -80,17 +81,14 @@ def from_ids(
     [[-1  0  0]
      [-1 -1 -1]]
     """
-    ids = np.asarray(ids)
-    if ids.ndim != 2:
-        raise MapError(f"{method}: ids must be an (H, W) array, not {ids.shape}")
-    with np.errstate(invalid="ignore"):  # NaN becomes a number, which differs from it
-        number = ids.astype(np.int64)
-    _refuse(number != ids, ids, method, "is no whole number; switch off antialiasing, which blends ids")
+    number = _whole(ids, method, "ids")
     covered = number != background
     number = np.where(covered, number - first, BACKGROUND)
-    depths = np.full(ids.shape, np.nan) if depth is None else np.asarray(depth, dtype=np.float64)
-    if depths.shape != ids.shape:
-        raise MapError(f"{method}: depth {depths.shape} has not the shape of the ids, {ids.shape}")
+    depths = (
+        np.full(number.shape, np.nan) if depth is None else _grid(depth, method, "depth").astype(np.float64)
+    )
+    if depths.shape != number.shape:
+        raise MapError(f"{method}: depth {depths.shape} has not the shape of the ids, {number.shape}")
     if bottom_up:
         number, covered, depths = number[::-1], covered[::-1], depths[::-1]
     face = _faces(number, covered, view, method)
@@ -98,6 +96,26 @@ def from_ids(
     told: dict[str, Any] = {} if view is None else {"manifest": view.manifest, "hashes": view.hashes}
     shown = VisibilityMap(face, np.where(covered, depths, np.inf), method, notes=notes, **told)
     return modelled(shown, **model) if model else shown
+
+
+def _grid(values: Array, method: str, what: str) -> Array:
+    """Return an (H, W) array of real numbers."""
+    grid = np.asarray(values)
+    if grid.ndim != 2 or grid.dtype.kind not in "biuf" or not grid.size:
+        raise MapError(f"{method}: {what} must be an (H, W) array, not {grid.shape} {grid.dtype}")
+    return grid
+
+
+def _whole(ids: Array, method: str, what: str) -> Array:
+    """Return ids (H, W) as int64."""
+    grid = _grid(ids, method, what)
+    with np.errstate(invalid="ignore"):  # NaN becomes a number, which differs from it
+        number = grid.astype(np.int64)
+    _refuse(number != grid, grid, method, "is no whole number; switch off antialiasing, which blends ids")
+    if grid.dtype.kind == "f":
+        bits = np.finfo(grid.dtype).nmant + 1
+        _refuse(grid > 2**bits, grid, method, f"is beyond 2^{bits}, where {grid.dtype} counts no longer")
+    return number
 
 
 def _faces(number: Array, covered: Array, view: View | None, method: str) -> Ints:
@@ -126,7 +144,8 @@ def _refuse(wrong: Array, values: Array, method: str, why: str) -> None:
 
 def _numbers(colours: Array) -> Array:
     """Read colours (..., 3 or more) as numbers: ``red * 65536 + green * 256 + blue``."""
-    return np.asarray(colours[..., :3].astype(np.int64) @ np.array([65536, 256, 1]))
+    red, green, blue = (colours[..., k].astype(np.int32) for k in range(3))
+    return np.asarray(red << 16 | green << 8 | blue)
 
 
 def from_png(
@@ -157,12 +176,20 @@ def from_png(
         If the file is no such picture, or see :func:`from_ids`.
     """
     try:
-        with Image.open(path) as image:
-            kind, mode, pixels = image.format, image.mode, np.asarray(image)
-    except (OSError, SyntaxError) as error:
-        raise MapError(f"{path}: not a picture that can be read ({error})") from error
-    if kind != "PNG" or mode not in ("RGB", "RGBA") or (mode == "RGBA" and (pixels[..., 3] != 255).any()):
-        raise MapError(f"{path}: ids need a PNG of opaque 8-bit RGB, not {kind} {mode}")
+        with Path(path).open("rb") as file:
+            magic, width, height, bits = struct.unpack(">8s8xIIB", file.read(25))
+            if magic != PNG:
+                raise MapError("not a PNG file")
+            if max(width, height) > MAX_SIDE:
+                raise MapError(f"it is larger than {MAX_SIDE}x{MAX_SIDE}")
+            file.seek(0)
+            # Image.open would refuse what is large, and takes what is no PNG.
+            with PngImageFile(file) as image:
+                mode, pixels = image.mode, np.asarray(image)
+    except Exception as error:  # on a damaged file Pillow raises almost anything
+        raise MapError(f"{path}: not a picture that can be read ({told_briefly(error)})") from error
+    if mode not in ("RGB", "RGBA") or bits != 8 or (mode == "RGBA" and (pixels[..., 3] != 255).any()):
+        raise MapError(f"{path}: ids need a PNG of opaque 8-bit RGB, not PNG {mode} of {bits} bits")
     return from_ids(_numbers(pixels), view, background=background, first=first, method=method, **model)
 
 
@@ -192,9 +219,9 @@ def from_nvdiffrast(
     values = values[0] if values.ndim == 4 and len(values) == 1 else values
     if values.ndim != 3 or values.shape[2] != 4:
         raise MapError(f"{method}: rast must be (1, H, W, 4) or (H, W, 4), not {np.shape(rast)}")
-    ids = values[..., 3]
-    _refuse(ids > EXACT_FLOATS, ids, method, "is beyond 2^24, where float32 counts no longer")
-    return from_ids(ids, view, background=0, first=1, bottom_up=True, method=method, **model)
+    return from_ids(
+        values[..., 3].astype(np.float32), view, background=0, first=1, bottom_up=True, method=method, **model
+    )
 
 
 def from_open3d(
@@ -232,10 +259,16 @@ def from_open3d(
     MapError
         If a geometry has no start; or see :func:`from_ids`.
     """
-    ids = np.asarray(primitive_ids).astype(np.int64)
+    ids = _whole(primitive_ids, method, "primitive_ids")
     covered = ids != MISS
-    geometry = np.zeros_like(ids) if geometry_ids is None else np.asarray(geometry_ids).astype(np.int64)
-    _refuse(covered & (geometry >= len(starts)), geometry, method, "is a geometry without a start")
+    geometry = np.zeros_like(ids) if geometry_ids is None else _whole(geometry_ids, method, "geometry_ids")
+    if geometry.shape != ids.shape:
+        raise MapError(
+            f"{method}: geometry_ids {geometry.shape} have not the shape of the others, {ids.shape}"
+        )
+    without = (geometry < 0) | (geometry >= len(starts))
+    _refuse(covered & without, geometry, method, "is a geometry without a start")
+    _refuse(covered & (ids < 0), ids, method, "is no triangle")
     numbers = np.where(covered, ids + np.asarray(starts)[np.where(covered, geometry, 0)], BACKGROUND)
     return from_ids(numbers, view, depth=depth, method=method, **model)
 
@@ -263,12 +296,20 @@ def from_pyrender(
     Raises
     ------
     MapError
-        If a colour is of no node, as blended colours are; or sizes differ.
+        If a colour is of no node, as blended colours are, or of several; or sizes differ.
     """
     seg = np.asarray(seg)
-    if seg.ndim != 3 or seg.shape[2] != 3:
-        raise MapError(f"{method}: seg must be (H, W, 3), not {seg.shape}")
-    painted, known = _numbers(seg), np.append(0, _numbers(np.reshape(colours, (-1, 3))))
+    if seg.ndim != 3 or seg.shape[2] != 3 or seg.dtype != np.uint8:
+        raise MapError(f"{method}: seg must be (H, W, 3) uint8, not {seg.shape} {seg.dtype}")
+    for colour in colours:
+        if len(colour) != 3 or not all(part in range(256) for part in colour):
+            raise MapError(f"{method}: {tuple(colour)} is not red, green and blue, each from 0 to 255")
+    nodes = np.asarray(colours, dtype=np.int64).reshape(-1, 3)
+    painted, known = _numbers(seg), np.append(0, _numbers(nodes))
+    found, times = np.unique(known, return_counts=True)
+    if (times > 1).any():
+        double = tuple(int(found[times > 1][0]).to_bytes(3, "big"))
+        raise MapError(f"{method}: the colour {double} is of two nodes, or of a node and what shows nothing")
     order = np.argsort(known)
     number = order[np.searchsorted(known, painted, sorter=order).clip(max=len(known) - 1)]
     _refuse(known[number] != painted, painted, method, "is the colour of no node; switch antialiasing off")

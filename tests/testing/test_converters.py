@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import random
+import struct
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +18,7 @@ from hsr.problem.map import Admissible, VisibilityMap
 from hsr.problem.view import View
 from hsr.testing import by_object, from_ids, from_nvdiffrast, from_open3d, from_png, from_pyrender
 
+RED = np.full((1, 1, 3), (9, 0, 0), np.uint8)
 FACE = np.array([[-1, 0, 2], [1, 1, -1]], dtype=np.int32)
 
 
@@ -120,10 +124,32 @@ def test_objects_that_may_own_a_tie_are_named_once(boxes: View) -> None:
             lambda view: from_ids(np.full((24, 32), 24), view),
             "id 24 at 0,0 and 767 more is no triangle",
         ),
+        (lambda _: from_ids(np.array([["a"]])), "ids must be an .* array, not .* <U1"),
+        (lambda _: from_ids(np.array([[None]])), "ids must be an .* array, not .* object"),
+        (lambda _: from_ids(np.zeros((0, 3), int)), "ids must be"),
+        (lambda _: from_ids(np.full((1, 1), 2.0**25, np.float32)), "id .* is beyond 2\\^24, where float32"),
+        (lambda _: from_ids(FACE, depth=np.full(FACE.shape, "x")), "depth must be"),
+        (lambda _: from_open3d(np.full((1, 1), 0.5)), "id 0.5 at 0,0 is no whole number"),
+        (lambda _: from_open3d(np.full((1, 1), np.nan)), "id nan at 0,0 is no whole number"),
+        (lambda _: from_open3d(FACE, starts=(5,)), "id -1 at 0,0 and 1 more is no triangle"),
+        (
+            lambda _: from_open3d(FACE, geometry_ids=np.zeros((3, 2), int)),
+            r"geometry_ids \(3, 2\) have not the shape of the others, \(2, 3\)",
+        ),
+        (
+            lambda _: from_open3d(np.abs(FACE), geometry_ids=np.full(FACE.shape, -1)),
+            "id -1 at 0,0 and 5 more is a geometry without a start",
+        ),
+        (lambda _: from_pyrender(RED / 255, [(9, 0, 0)]), "must be .* uint8, not .* float64"),
+        (lambda _: from_pyrender(RED, [(9, 0, 0), (9, 0, 0)]), r"colour \(9, 0, 0\) is of two nodes"),
+        (lambda _: from_pyrender(RED, [(0, 0, 0), (9, 0, 0)]), r"colour \(0, 0, 0\) is of two nodes, or"),
+        (lambda _: from_pyrender(RED, [(9, 0, 0, 255)]), r"\(9, 0, 0, 255\) is not red, green and blue"),
+        (lambda _: from_pyrender(RED, [(0.5, 0, 0)]), r"\(0.5, 0, 0\) is not red, green and blue"),
+        (lambda _: from_pyrender(RED, [(9, 0, 256)]), "each from 0 to 255"),
         (lambda _: from_nvdiffrast(np.zeros((2, 3))), "rast must be"),
         (lambda _: from_nvdiffrast(np.full((1, 1, 4), 2.0**25)), "beyond 2\\^24"),
         (lambda _: from_pyrender(np.zeros((2, 2)), []), "seg must be"),
-        (lambda _: from_pyrender(np.full((1, 1, 3), 7), [(9, 9, 9)]), "is the colour of no node"),
+        (lambda _: from_pyrender(np.full((1, 1, 3), 7, np.uint8), [(9, 9, 9)]), "is the colour of no node"),
     ],
 )
 def test_what_cannot_be_is_told_in_a_line(boxes: View, convert: Any, complaint: str) -> None:
@@ -137,7 +163,7 @@ def test_what_cannot_be_is_told_in_a_line(boxes: View, convert: Any, complaint: 
     [
         ("P", "p.png", "not PNG P"),
         ("L", "l.png", "not PNG L"),
-        ("RGB", "c.jpg", "not JPEG RGB"),
+        ("RGB", "c.jpg", "not a PNG file"),
         ("RGBA", "t.png", "not PNG RGBA"),
     ],
 )
@@ -151,6 +177,46 @@ def test_a_picture_that_is_none(tmp_path: Path) -> None:
     (tmp_path / "a.png").write_bytes(b"no picture")
     with pytest.raises(MapError, match=r"a\.png: not a picture"):
         from_png(tmp_path / "a.png")
+
+
+def chunk(kind: bytes, data: bytes) -> bytes:
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+
+def raw_png(path: Path, width: int, height: int, bits: int, rows: bytes) -> Path:
+    """Write an RGB picture as its header says."""
+    header = struct.pack(">IIBBBBB", width, height, bits, 2, 0, 0, 0)
+    chunks = [(b"IHDR", header), (b"IDAT", zlib.compress(rows)), (b"IEND", b"")]
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(chunk(*one) for one in chunks))
+    return path
+
+
+def test_ids_in_16_bits_a_channel_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(MapError, match="8-bit RGB, not PNG RGB of 16 bits"):
+        from_png(raw_png(tmp_path / "a.png", 1, 1, 16, bytes([0, 0, 1, 0, 2, 0, 3])))
+
+
+def test_pictures_of_any_size_that_we_render_are_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Image, "MAX_IMAGE_PIXELS", 2)  # of Pillow, which takes larger ones for an attack
+    file = raw_png(tmp_path / "a.png", 3, 2, 8, 2 * bytes([0, 0, 0, 1, 0, 1, 0, 1, 0, 0]))
+    assert from_png(file).face.tolist() == 2 * [[0, 255, 65535]]
+    with pytest.raises(MapError, match="larger than 16384x16384"):
+        from_png(raw_png(tmp_path / "b.png", 16385, 1, 8, b""))
+
+
+def test_damaged_pictures_are_refused_in_a_line(tmp_path: Path) -> None:
+    Image.fromarray(np.arange(192, dtype=np.uint8).reshape(8, 8, 3)).save(tmp_path / "a.png")
+    whole, chance = (tmp_path / "a.png").read_bytes(), random.Random(0)
+    for _ in range(300):
+        content = bytearray(whole[: chance.choice((len(whole), chance.randrange(len(whole))))] or b"x")
+        content[chance.randrange(len(content))] = chance.randrange(256)
+        (tmp_path / "a.png").write_bytes(content)
+        try:
+            from_png(tmp_path / "a.png")
+        except MapError as error:
+            assert "\n" not in str(error)
 
 
 def test_a_picture_may_say_what_made_it() -> None:
