@@ -7,7 +7,6 @@ import os
 import platform
 import shutil
 import subprocess
-import sys
 from collections.abc import Iterator
 from typing import Any
 
@@ -127,17 +126,16 @@ def probe(backend: str) -> dict[str, Any]:
 
 
 def _probe_apart(backend: str) -> dict[str, Any]:
+    from hsr.gl.apart import TIMED_OUT, tried
+
     code = f"import json, hsr.cli.doctor as d; print(json.dumps(d.probe({backend!r})))"
-    command = [sys.executable, "-c", code]
-    try:
-        run = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
-    except subprocess.TimeoutExpired:
-        return {"draws": False, "problem": f"no answer within {PATIENCE:g} seconds"}
+    run = tried(code, PATIENCE)
     try:
         return dict(json.loads(run.stdout))
     except json.JSONDecodeError:
         last = (run.stderr.strip().splitlines() or ["no message"])[-1]
-        return {"draws": False, "problem": f"trying it ended a process with code {run.returncode}: {last}"}
+        ended = f"trying it ended a process with code {run.returncode}: {last}"
+        return {"draws": False, "problem": last if run.returncode == TIMED_OUT else ended}
 
 
 # ---------------------------------------------------------------- the rest

@@ -2,7 +2,8 @@
 
 OSMesa comes first: it needs no device, and draws on every machine alike. Then EGL on llvmpipe,
 Mesa's software driver; then EGL on any other device. A context is used only after it has drawn a
-known picture (:mod:`hsr.gl.selftest`).
+known picture (:mod:`hsr.gl.selftest`), and no driver is loaded that ends another process which does the
+same (:mod:`hsr.gl.apart`).
 
 llvmpipe takes its number of threads from the environment variable ``LP_NUM_THREADS``, when its
 first context opens; by default it starts one a processor.
@@ -16,6 +17,7 @@ from functools import cache
 import moderngl
 
 from hsr.base.errors import HsrError, NoOpenGLError
+from hsr.gl.apart import check_survives
 from hsr.gl.context import SOFTWARE, Context
 from hsr.gl.loaders import MAX_EGL_DEVICES, Loader, egl, osmesa
 from hsr.gl.selftest import flaw
@@ -85,6 +87,7 @@ def open_context(backend: str = "auto") -> Context:
     reasons = []
     for name in BACKENDS if backend == "auto" else (backend,):
         try:
+            check_survives(name)
             return BACKENDS[name]()
         except HsrError as error:
             reasons.append(f"{name}: {error}")
