@@ -246,9 +246,12 @@ def load_map(path: str | Path) -> VisibilityMap:
         if not face.size:
             raise MapError("it has no samples")
         ties = ties_of(held, face.size)
-        check_facts(facts, face, ties)
-        told = {name: facts[name] for name in TOLD}
-        return VisibilityMap(np.ascontiguousarray(face), np.ascontiguousarray(depth), **told, admissible=ties)
+        shown = np.concatenate([face.ravel(), *ties[2:]])
+        check_facts(facts, shown, BACKGROUND)
+        told, known = {name: facts[name] for name in TOLD}, Admissible(*ties) if ties else None
+        return VisibilityMap(
+            np.ascontiguousarray(face), np.ascontiguousarray(depth), **told, admissible=known
+        )
     except KeyError as error:
         raise MapError(f"{path}: not a visibility map (it has no {error})") from None
     except (MapError, ValueError, RecursionError) as error:

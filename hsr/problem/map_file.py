@@ -9,8 +9,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, NonNegativeInt, PositiveFloat, model_validator
 
-from hsr.base.arrays import Array, Ints
-from hsr.problem.map import BACKGROUND, Admissible
+from hsr.base.arrays import Array
 
 
 class Told(BaseModel):
@@ -92,7 +91,7 @@ class Facts(Told):
         return self
 
 
-def check_facts(meta: Mapping[str, Any], face: Ints, ties: Admissible | None) -> None:
+def check_facts(meta: Mapping[str, Any], shown: Array, background: int) -> None:
     """Refuse facts of other types than they are used in, and faces that no object of the manifest has.
 
     Raises
@@ -102,30 +101,29 @@ def check_facts(meta: Mapping[str, Any], face: Ints, ties: Admissible | None) ->
     """
     facts = Facts.model_validate(meta)
     last = max((one.first + one.count for one in facts.manifest), default=2**31) - 1
-    for shown in [face] if ties is None else [face, ties.face]:
-        if shown.size and not (shown.min() >= BACKGROUND and shown.max() <= last):
-            raise ValueError(f"faces from {shown.min()} to {shown.max()}; there are those from 0 to {last}")
+    if shown.min() < background or shown.max() > last:
+        raise ValueError(f"faces from {shown.min()} to {shown.max()}; there are those from 0 to {last}")
 
 
-def ties_of(arrays: Mapping[str, Array], samples: int) -> Admissible | None:
-    """Return the ties among the arrays of a file, if there are any.
+def ties_of(arrays: Mapping[str, Array], samples: int) -> list[Array]:
+    """Return the arrays of the ties of a map with so many samples: none, or sample, start and face.
 
     Raises
     ------
     ValueError
         If they are not all there, of other types, out of order, or not of this map.
     """
-    found = [arrays.get(f"tie_{name}") for name in Admissible._fields]
-    if all(array is None for array in found):
-        return None
-    kinds = [(None, None) if array is None else (array.ndim, array.dtype.str[1:]) for array in found]
-    if kinds != [(1, "i8"), (1, "i8"), (1, "i4")]:
+    found = [arrays.get(name) for name in ("tie_sample", "tie_start", "tie_face")]
+    there = [array for array in found if array is not None]
+    if not there:
+        return []
+    if [(array.ndim, array.dtype.str[1:]) for array in there] != [(1, "i8"), (1, "i8"), (1, "i4")]:
         raise ValueError("its ties are not all there, or of other types")
-    ties = Admissible(*(array for array in found if array is not None))
-    whole = ties.start.tolist()[:1] == [0] and ties.start[-1] == len(ties.face)
-    if not whole or len(ties.start) != len(ties.sample) + 1 or (np.diff(ties.start) < 0).any():
+    sample, start, face = there
+    whole = start.tolist()[:1] == [0] and start[-1] == len(face) and len(start) == len(sample) + 1
+    if not whole or (np.diff(start) < 0).any():
         raise ValueError("the faces of its ties do not belong to its samples")
-    inside = [0, *ties.sample.tolist()[:1], *ties.sample.tolist()[-1:], samples - 1]
-    if inside != sorted(inside) or (np.diff(ties.sample) <= 0).any():
+    inside = [0, *sample.tolist()[:1], *sample.tolist()[-1:], samples - 1]
+    if inside != sorted(inside) or (np.diff(sample) <= 0).any():
         raise ValueError(f"the samples of its ties are not in order, or not among its {samples}")
-    return ties
+    return there

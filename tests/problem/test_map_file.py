@@ -112,7 +112,7 @@ def test_a_depth_format_that_makes_no_sense_is_refused(
         ("tie_start", lambda start: start + 1, "do not belong"),
         ("tie_start", lambda start: start[:0], "do not belong"),
         ("tie_face", lambda face: face[:-1], "do not belong"),
-        ("tie_face", lambda face: face + 1000, "faces from 1000 to 1003; there"),
+        ("tie_face", lambda face: face + 1000, "faces from -1 to 1003; there"),
         ("tie_face", lambda face: face.astype(np.int64), "of other types"),
         ("face", lambda face: face - 1, "faces from -2"),
         ("face", lambda face: face[:0], "no samples"),
