@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Iterable
+import shutil
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from threading import get_ident
 
@@ -55,6 +56,39 @@ def make_folder(path: str | Path) -> Path:
     except OSError as problem:
         raise HsrError(f"{path}: cannot make the folder: {problem.strerror}") from problem
     return Path(path)
+
+
+def write_folder(path: str | Path, files: Mapping[str, bytes | str]) -> None:
+    """Write a new folder with all its files, or nothing.
+
+    Parameters
+    ----------
+    path : str or Path
+        Nothing may be there, or an empty folder.
+    files : mapping
+        What each file holds by its name; text is written as UTF-8.
+
+    Raises
+    ------
+    HsrError
+        If there is something, or the folder cannot be written.
+    """
+    target = Path(path)
+    if target.exists() and not (target.is_dir() and not any(target.iterdir())):
+        raise HsrError(f"{path}: there is something already, which is left as it is; name a new folder")
+    make_folder(target.parent)
+    unfinished = target.absolute().with_name(f".{target.name[:40]}.{os.getpid()}.{get_ident()}")
+    try:
+        unfinished.mkdir()
+        for name, data in files.items():
+            (unfinished / name).write_bytes(data if isinstance(data, bytes) else data.encode())
+        if target.exists():
+            target.rmdir()  # where renaming does not replace an empty folder
+        unfinished.rename(target)
+    except OSError as problem:
+        raise HsrError(f"{path}: cannot write the folder: {problem.strerror}") from problem
+    finally:
+        shutil.rmtree(unfinished, ignore_errors=True)
 
 
 def digest_of(parts: Iterable[bytes]) -> str:

@@ -80,6 +80,7 @@ SCENES = Argument(help="Scenes or mesh files.", autocompletion=scene_completion)
 SceneFiles = Annotated[list[Path], SCENES]
 SceneFile = Annotated[Path, Argument(help="Scene or mesh file.", autocompletion=scene_completion)]
 SceneOutput = Annotated[Path | None, output("Scene to write, .toml; standard output by default.", ".toml")]
+ExportFolder = Annotated[Path, output("Folder to write; nothing may be in it yet.")]
 MapFile = Annotated[Path, Argument(help="Map, .npz, or a PNG whose colours are ids, from 1 on.")]
 Against = Annotated[Path, Argument(help="What it should show: another map, or the scene, for the exact one.")]
 Model = Annotated[Text, Option(help="What made the map: exact, opengl, float32, float64 or a method.")]

@@ -13,6 +13,7 @@ import hsr
 from hsr.base.errors import SceneError
 from hsr.base.files import write_whole
 from hsr.cli import common as cli
+from hsr.cli.cameras import Cameras, with_cameras
 from hsr.scene.names import printable
 
 SchemaFile = Annotated[Path | None, Argument(help="File to write; standard output by default.")]
@@ -38,6 +39,33 @@ def init(mesh: cli.SceneFile, output: cli.SceneOutput = None) -> None:
     else:
         write_whole(output, text, "the scene", SceneError)
         cli.say(f"wrote {output}; 'hsr render {output}' shows it")
+
+
+@scene_app.command()
+@with_cameras
+def export(
+    file: cli.SceneFile, output: cli.ExportFolder, size: cli.Size = "512x512", *, cameras: Cameras
+) -> None:
+    """Write a scene for other programs: OBJ, GLB, camera matrices, and the faces they should show.
+
+    The truth is that of the float32 coordinates that are written, curved shapes cut into triangles; a README
+    in the folder says how to compare.
+
+    For example:
+
+        hsr scene export teapot -o teapot --size 640x480
+        hsr diff yours.png teapot/expected.npz
+    """
+    scene = cameras.one(hsr.load(file))
+    tell_export(hsr.view(scene, cli.parse_size(size)), output, scene.title or str(file))
+
+
+def tell_export(view: hsr.View, folder: Path, title: str) -> None:
+    """Write a view for other programs, and say what to do with it."""
+    from hsr.lab.export import export
+
+    export(view, folder, title)
+    cli.say(f"wrote {folder}; {folder / 'README.md'} says how to compare")
 
 
 @scene_app.command()

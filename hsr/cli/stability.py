@@ -10,6 +10,7 @@ from typer import Argument, Exit, Option, Typer
 from hsr.base.errors import HsrError
 from hsr.base.files import make_folder
 from hsr.cli import common as cli
+from hsr.cli.scene import tell_export
 
 stability_app = Typer(
     cls=cli.RunByDefault,
@@ -72,13 +73,28 @@ def run(
         raise Exit(cli.DIFFERS)
 
 
+Name = Annotated[str, Argument(help="Family.")]
+At = Annotated[float | None, Option(help="Value of its parameter; the hardest of its sweep.")]
+Side = Annotated[int, Option(min=8, max=1024, help="Side of the picture, in samples.")]
+
+
 @stability_app.command()
-def scene(
-    family: Annotated[str, Argument(help="Family.")],
-    at: Annotated[float | None, Option(help="Value of its parameter; the hardest of its sweep.")] = None,
-    output: cli.SceneOutput = None,
-    side: Annotated[int, Option(min=8, max=1024, help="Side of the picture, in samples.")] = 64,
-) -> None:
+def export(family: Name, output: cli.ExportFolder, at: At = None, side: Side = 64) -> None:
+    """Write a hard case for other programs, as 'hsr scene export' writes scenes.
+
+    For example:
+
+        hsr stability export needle --at 0.125 -o needle
+    """
+    from hsr.lab.stability.cases import family_named
+
+    chosen = family_named(family)
+    at = chosen.sweep[-1] if at is None else at
+    tell_export(chosen.view(at, side), output, f"{family}, {chosen.parameter} {at:g}")
+
+
+@stability_app.command()
+def scene(family: Name, at: At = None, output: cli.SceneOutput = None, side: Side = 64) -> None:
     """Write the scene of a family at a value of its parameter, for every other command.
 
     For example:

@@ -30,7 +30,12 @@ def save_picture(picture: Pixels, path: str | Path) -> None:
     HsrError
         If the file cannot be written.
     """
-    write_whole(path, _encoded(Image.fromarray(picture), "PNG", optimize=True), "the picture")
+    write_whole(path, png_of(picture), "the picture")
+
+
+def png_of(picture: Pixels) -> bytes:
+    """Return a picture as what a PNG file holds, with the channels it has."""
+    return _encoded(Image.fromarray(picture), "PNG", optimize=True)
 
 
 def _encoded(image: Image.Image, kind: str, **how: bool) -> bytes:

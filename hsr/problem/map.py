@@ -188,11 +188,15 @@ class VisibilityMap:
         >>> hsr.load_map("cube.npz").method
         'zbuffer'
         """
+        write_whole(path, self.encoded(), "the map", MapError)
+
+    def encoded(self) -> bytes:
+        """Return what :meth:`save` writes."""
         meta = {"hsr": FORMAT} | {key: getattr(self, key) for key in TOLD}
         text = json.dumps(meta, sort_keys=True, separators=(",", ":"))
         file = BytesIO()
         np.savez_compressed(file, meta=np.array(text, dtype=np.str_), **self._arrays())  # type: ignore[arg-type]
-        write_whole(path, file.getvalue(), "the map", MapError)
+        return file.getvalue()
 
     def _arrays(self) -> dict[str, Array]:
         """Return the arrays of the file by name."""

@@ -54,3 +54,26 @@ def test_the_schema_describes_every_key() -> None:
         if "description" not in what
     ]
     assert bare == []
+
+
+def test_scene_export(run: Any, tmp_path: Path) -> None:
+    target = tmp_path / "made" / "cube"
+    code, out, err = run(
+        "scene", "export", CUBE, "-o", str(target), "--size", "24x16", "--eye", "2,2,4", "--far", "9"
+    )
+    assert (code, err) == (0, "") and out == f"wrote {target}; {target / 'README.md'} says how to compare\n"
+    camera = json.loads((target / "camera.json").read_text(encoding="utf-8"))
+    assert camera["size"] == [24, 16] and camera["far"] == 9.0
+    assert run("diff", str(target / "expected.png"), str(target / "expected.npz"))[0] == 0
+    before = {path: path.read_bytes() for path in target.iterdir()}
+    code, out, err = run("scene", "export", CUBE, "-o", str(target))
+    assert code == 2 and "there is something already, which is left as it is" in err and out == ""
+    assert {path: path.read_bytes() for path in target.iterdir()} == before
+
+
+def test_scene_export_needs_one_camera_and_a_folder(run: Any, two: str, tmp_path: Path) -> None:
+    code, _, err = run("scene", "export", two, "-o", str(tmp_path / "out"), "--camera", "all")
+    assert code == 2 and "choose one by --camera" in err
+    assert run("scene", "export", two)[0] == 2
+    assert run("scene", "export", two, "-o", str(tmp_path / "out.png"))[0] == 2
+    assert not (tmp_path / "out").exists()

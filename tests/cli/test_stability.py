@@ -105,3 +105,14 @@ def test_bad_input_is_one_line_and_exit_2(run: Any, arguments: tuple[str, ...], 
 def test_help_names_both_commands(run: Any) -> None:
     code, out, _ = run("--help")
     assert code == 0 and "scene" in out and "run" in out
+
+
+def test_export(run: Any, tmp_path: Path) -> None:
+    target = tmp_path / "needle"
+    code, out, err = run("export", "needle", "--at", "0.125", "--side", "32", "-o", str(target))
+    assert (code, err) == (0, "") and out == f"wrote {target}; {target / 'README.md'} says how to compare\n"
+    assert (target / "README.md").read_text(encoding="utf-8").startswith("# needle, ")
+    expected = hsr.load_map(target / "expected.npz")
+    assert (expected.width, expected.height) == (32, 32) and (expected.face >= 0).any()
+    code, _, err = run("export", "needel", "-o", str(tmp_path / "other"))
+    assert code == 2 and "needle" in err and not (tmp_path / "other").exists()
