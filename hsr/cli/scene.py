@@ -18,7 +18,7 @@ from hsr.scene.names import printable
 
 SchemaFile = Annotated[Path | None, Argument(help="File to write; standard output by default.")]
 
-scene_app = Typer(help="Check and describe scene files.", no_args_is_help=True)
+scene_app = Typer(help="Check, describe and export scene files.", no_args_is_help=True)
 
 
 @scene_app.command()

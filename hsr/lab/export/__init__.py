@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from importlib.resources import files
 from io import BytesIO
+from itertools import pairwise
 from pathlib import Path
 from string import Template
 from typing import Any
@@ -78,7 +79,7 @@ def export(view: View, folder: str | Path, title: str) -> VisibilityMap:
             "expected.npz": truth.encoded(),
             "expected.npy": _npy(truth.face),
             "expected.png": png_of(_colours(truth.face)),
-            "admissible.json": _json({"samples": ties}),
+            "admissible.json": json.dumps({"samples": ties}) + "\n",
         },
     )
     return truth
@@ -97,7 +98,8 @@ def as_written(view: View) -> View:
     vertices = as_float32(polygons.vertices, "export").astype(np.float64)
     triangles = replace(Polygons.of_rows(vertices, polygons.triangle_vertex), face=polygons.triangle_face)
     owner = np.searchsorted(before.first_faces, triangles.face, side="right") - 1
-    parts = [triangles.part(np.flatnonzero(owner == k)) for k in range(len(before))]
+    starts = np.searchsorted(owner, np.arange(len(before) + 1))
+    parts = [triangles.part(np.arange(*pair)) for pair in pairwise(starts)]
     return replace(view, placements=Geometry(map(_in_world, before, parts)))
 
 
