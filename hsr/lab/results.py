@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from hsr.base.errors import HsrError, told_briefly
 
@@ -125,6 +125,13 @@ class Row(Record):
     buffer_bytes: int | None = None
     foreign_load: float | None = None
     yardstick: float | None = None
+
+    @model_validator(mode="after")
+    def _has_figures(self) -> Self:
+        total = self.times.get("total")
+        if not self.absent and (self.verdict is None or total is None or total.median <= 0.0):
+            raise ValueError("it has neither figures nor a reason to have none")
+        return self
 
     @property
     def case(self) -> str:

@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 
 from hsr.base.errors import HsrError
+from hsr.lab.regression import changes, table
 from hsr.lab.results import case_title, load_results
+from tests.damage import damaged
 from tests.lab.made_up import results, row
 
 
@@ -53,3 +55,20 @@ def test_files_that_are_no_results(tmp_path: Path) -> None:
     (tmp_path / "text.json").write_bytes(b"\xff\xfe")
     with pytest.raises(HsrError, match="no benchmark results of version 1"):
         load_results(tmp_path / "text.json")
+
+
+def test_damaged_results_are_refused_or_compared(tmp_path: Path) -> None:
+    made, file = (
+        results(row("zbuffer", wrong=3), row("lame", absent="cannot"), row("raycast")),
+        tmp_path / "b.json",
+    )
+    refused = 0
+    for value in damaged(json.loads(made.to_json()), 300):
+        file.write_text(json.dumps(value), encoding="utf-8")
+        try:
+            found = load_results(file)
+            table(changes(made, found), "")
+            table(changes(found, made), "")
+        except HsrError as error:
+            refused += "\n" not in str(error)
+    assert 100 < refused < 300
