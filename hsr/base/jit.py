@@ -30,6 +30,7 @@ from numba.core.caching import FunctionCache
 from numba.np.ufunc.parallel import threading_layer
 
 from hsr.base.errors import HsrError
+from hsr.base.files import write_whole
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -108,10 +109,6 @@ def _tell_uncached() -> None:
     print(f"hsr: {told}", file=sys.stderr)
 
 
-UNCACHED = (
-    "compiled kernels cannot be kept, which takes a minute every time: name a folder in NUMBA_CACHE_DIR"
-)
-
 SHARED = ("omp", "tbb")
 """The layers of threads that several threads of Python may use at once."""
 
@@ -159,7 +156,7 @@ def forget_stale_kernels(package: Path) -> None:
     made_of = _made_of(package, sources)
     stamp = package / "kernels" / "__pycache__" / "sources.json"
     try:
-        known = json.loads(stamp.read_text(encoding="ascii")) if stamp.exists() else {}
+        known = _told(stamp)
         if known == made_of:
             return
         for name, digest in made_of.items():
@@ -168,11 +165,20 @@ def forget_stale_kernels(package: Path) -> None:
                 for cached in file.parent.glob(f"__pycache__/{file.stem}.*.nb[ic]"):
                     cached.unlink(missing_ok=True)
         for cached in stamp.parent.glob("*.compiled"):
-            cached.unlink()
+            cached.unlink(missing_ok=True)
         stamp.parent.mkdir(exist_ok=True)
-        stamp.write_text(json.dumps(made_of), encoding="ascii")
-    except (OSError, ValueError):
+        write_whole(stamp, json.dumps(made_of), "of what kernels are made")
+    except (OSError, HsrError):
         pass
+
+
+def _told(stamp: Path) -> dict[str, str]:
+    """Return what the kernels were made of that are kept; nothing is known if that cannot be read."""
+    try:
+        found = json.loads(stamp.read_bytes())
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
 
 
 def _made_of(package: Path, text: dict[Path, bytes]) -> dict[str, str]:

@@ -114,14 +114,22 @@ def test_a_changed_source_drops_the_cached_kernels_that_are_made_of_it(tmp_path:
     assert left() == [*text]
 
 
-def test_kernels_of_which_nobody_knows_what_they_are_made_of_are_dropped(tmp_path: Path) -> None:
+@pytest.mark.parametrize("stamp", [None, '{"kernels/ed', "[]"])
+def test_kernels_of_which_nobody_knows_what_they_are_made_of_are_dropped(
+    tmp_path: Path, stamp: str | None
+) -> None:
     source = tmp_path / "kernels" / "edges.py"
     cached = tmp_path / "kernels" / "__pycache__" / "edges.kernel-12.py311.1.nbc"
     cached.parent.mkdir(parents=True)
     source.write_text("@jit\ndef kernel(): ...\n", encoding="utf-8")
     cached.write_bytes(b"compiled")
+    if stamp is not None:
+        cached.with_name("sources.json").write_text(stamp, encoding="ascii")
     forget_stale_kernels(tmp_path)
     assert not cached.exists()
+    cached.write_bytes(b"compiled")
+    forget_stale_kernels(tmp_path)
+    assert cached.exists()
 
 
 def test_a_folder_that_cannot_be_written_is_left_alone(tmp_path: Path) -> None:
