@@ -30,7 +30,6 @@ from numba.core.caching import FunctionCache
 from numba.np.ufunc.parallel import threading_layer
 
 from hsr.base.errors import HsrError
-from hsr.base.files import write_whole
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -167,8 +166,10 @@ def forget_stale_kernels(package: Path) -> None:
         for cached in stamp.parent.glob("*.compiled"):
             cached.unlink(missing_ok=True)
         stamp.parent.mkdir(exist_ok=True)
-        write_whole(stamp, json.dumps(made_of), "of what kernels are made")
-    except (OSError, HsrError):
+        unfinished = stamp.with_suffix(f".{os.getpid()}")
+        unfinished.write_text(json.dumps(made_of), encoding="ascii")
+        unfinished.replace(stamp)
+    except OSError:
         pass
 
 

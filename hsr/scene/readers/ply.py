@@ -215,7 +215,10 @@ def _alike(content: bytes, start: int, element: Element, order: str) -> Array | 
         if counted:
             counters.append(f"{name} #")
             fields.append((counters[-1], order + counted))
-            length = int.from_bytes(content[place : place + int(counted[1])], BYTES[order])
+            told = content[place : place + int(counted[1])]
+            length = int.from_bytes(told, BYTES[order], signed=counted[0] == "i")
+            if length < 0:
+                return None
             place += int(counted[1])
         fields.append((name, order + kind, (length,)))
         place += length * int(kind[1])

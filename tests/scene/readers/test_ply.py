@@ -159,3 +159,10 @@ def test_strips_as_text() -> None:
 def test_files_that_are_refused(content: str | bytes, problem: str) -> None:
     encoded = content.encode("latin-1") if isinstance(content, str) else content
     assert refused(read_ply, encoded).startswith(problem)
+
+
+def test_a_list_of_fewer_numbers_than_none_is_refused_however_much_follows() -> None:
+    content = write_ply((MESH[0], [[0, 1, 2]]), "<", "char")
+    body = content.index(struct.pack("<b3i", 3, 0, 1, 2))
+    content = content[:body] + struct.pack("<b3i", -1, 0, 1, 2) + bytes(2000)
+    assert "row 0 (counted from 0) of the 1 of element face" in refused(read_ply, content)
