@@ -39,6 +39,8 @@ def unexplained(view: hsr.View, face: Ints) -> Bools:
     seen = as_written(view)
     wrong: Bools = ~hsr.render(seen, "exact").admits(face)
     for across, down in ((-1, -1), (-1, 1), (1, -1), (1, 1), (-1, 0), (1, 0), (0, -1), (0, 1)):
+        if not wrong.any():
+            break
         clip = seen.clip_from_world.copy()
         clip[0] -= 2.0 * NEXT * across / seen.width * clip[3]
         clip[1] += 2.0 * NEXT * down / seen.height * clip[3]
@@ -70,6 +72,7 @@ VIEWS: dict[str, tuple[str, dict[str, Any]]] = {
     "curved": ("solids", {}),
     "overlap": ("cyclic", {}),
     "culled by nothing, mirrored": ("mirrored", {}),
+    "quads": ("menger", {}),
     "coincident": ("coplanar", {}),
     "parallel": ("interpenetrating", {"eye": (3, 2, 4), "height": 4.0, "far": 20.0}),
     "close": ("torus-knot", {"eye": (2.1, 1.3, 2.2), "fov": 60.0}),
@@ -86,7 +89,21 @@ def test_embree(name: str, tmp_path: Path) -> None:
     wrong = ~expected.admits(face)
     assert (face >= 0).mean() > 0.05
     assert not unexplained(view, face).any()
-    assert wrong.mean() < 0.002, wrong.sum()
+    assert wrong.sum() <= 2
+
+
+@pytest.mark.jit
+def test_the_truth_is_that_of_rounded_numbers(tmp_path: Path, make_scene: Any) -> None:
+    """A million units away float32 moves corners by a sixteenth: what is written is another scene."""
+    away = {"translate": [1e6, 0.3, -1e6]}
+    box = {"name": "box", "shape": "cube", "transform": [{"rotate_y": 30.0}, away]}
+    ball = {"name": "ball", "shape": "sphere", "transform": [{"translate": [1.5, 0.0, 0.5]}, away]}
+    camera = {"eye": [1e6 + 1, 2, 5 - 1e6], "target": [1e6, 0, -1e6], "far": 100.0}
+    view = hsr.view(make_scene([box, ball], **camera), (96, 64))
+    truth = export(view, tmp_path / "out", "far away")
+    face = embree(tmp_path / "out")
+    assert (~truth.admits(face)).sum() <= 2 and not unexplained(view, face).any()
+    assert (hsr.render(view.tessellated(), "exact").face != truth.face).sum() > 20
 
 
 @pytest.mark.jit

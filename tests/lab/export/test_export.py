@@ -47,7 +47,7 @@ def obj_triangles(path: Path) -> tuple[Any, list[int]]:
     return points[corners], groups
 
 
-@pytest.fixture(scope="module", params=["cyclic", "solids", "mirrored", "polyhedra", "concave"])
+@pytest.fixture(scope="module", params=["cyclic", "solids", "mirrored", "polyhedra", "concave", "menger"])
 def written(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[hsr.View, Path]:
