@@ -58,6 +58,19 @@ def make_folder(path: str | Path) -> Path:
     return Path(path)
 
 
+def check_new_folder(path: str | Path) -> None:
+    """Refuse what :func:`write_folder` would not write to, before there is something to write.
+
+    Raises
+    ------
+    HsrError
+        If anything is there but an empty folder.
+    """
+    target = Path(path)
+    if target.exists() and not (target.is_dir() and not any(target.iterdir())):
+        raise HsrError(f"{path}: there is something already, which is left as it is; name a new folder")
+
+
 def write_folder(path: str | Path, files: Mapping[str, bytes | str]) -> None:
     """Write a new folder with all its files, or nothing.
 
@@ -73,9 +86,8 @@ def write_folder(path: str | Path, files: Mapping[str, bytes | str]) -> None:
     HsrError
         If there is something, or the folder cannot be written.
     """
+    check_new_folder(path)
     target = Path(path)
-    if target.exists() and not (target.is_dir() and not any(target.iterdir())):
-        raise HsrError(f"{path}: there is something already, which is left as it is; name a new folder")
     make_folder(target.parent)
     unfinished = target.absolute().with_name(f".{target.name[:40]}.{os.getpid()}.{get_ident()}")
     try:

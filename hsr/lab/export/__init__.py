@@ -23,7 +23,7 @@ import numpy as np
 from hsr.algorithms.registry import render
 from hsr.base.arrays import Array, Pixels
 from hsr.base.errors import HsrError
-from hsr.base.files import write_folder
+from hsr.base.files import check_new_folder, write_folder
 from hsr.lab.export.cameras import conventions
 from hsr.lab.export.meshes import glb, obj
 from hsr.pictures.png import png_of
@@ -61,6 +61,7 @@ def export(view: View, folder: str | Path, title: str) -> VisibilityMap:
         If the camera mirrors or shears what it sees, there are too many faces, coordinates are beyond
         float32, or the folder cannot be written; then there is none.
     """
+    check_new_folder(folder)
     if view.faces > MOST_FACES:
         raise HsrError(f"{view.faces:,} faces: of more than {MOST_FACES:,} no picture of ids can be made")
     camera, seen = conventions(view), as_written(view)

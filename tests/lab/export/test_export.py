@@ -174,3 +174,10 @@ def test_what_cannot_be_exported_leaves_no_folder(tmp_path: Path, make_scene: An
     with pytest.raises(HsrError, match=r"^6 faces: of more than 5 no picture"):
         export(hsr.view(hsr.load("cube"), (8, 8)), tmp_path / "out", "cube")
     assert not [*tmp_path.iterdir()]
+
+
+def test_a_folder_that_is_taken_is_refused_before_the_work(tmp_path: Path, monkeypatch: Any) -> None:
+    (tmp_path / "mine.txt").touch()
+    monkeypatch.setattr("hsr.lab.export.render", None)
+    with pytest.raises(HsrError, match="there is something already"):
+        export(hsr.view(hsr.load("cube"), (8, 8)), tmp_path, "cube")
