@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import inspect
 import math
-from collections.abc import Callable, Mapping
-from functools import partial, wraps
+from collections.abc import Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 from typer import BadParameter, Option
 
 from hsr.base.errors import HsrError
+from hsr.cli.common import with_options
 
 if TYPE_CHECKING:
     from hsr.scene.model import Camera, Scene
@@ -108,18 +108,9 @@ class Cameras(NamedTuple):
         return tuple(camera_named(scene, name) for name in dict.fromkeys(self.names)) or scene.camera[:1]
 
 
-def with_cameras(verb: Callable[..., None]) -> Callable[..., None]:
-    """Give a verb the options of where to look from in place of its argument ``cameras``."""
-    signature = inspect.signature(verb, eval_str=True)
-    added = partial(inspect.Parameter, kind=inspect.Parameter.KEYWORD_ONLY, default=None)
-    own = [one for name, one in signature.parameters.items() if name != "cameras"]
-    whole = [*own, *(added(name, annotation=hint) for name, hint in OPTIONS.items())]
+def _cameras(keys: dict[str, Any]) -> Cameras:
+    return Cameras(keys.pop("camera", []), keys.pop("orbit", None), keys)
 
-    @wraps(verb)
-    def command(**given: Any) -> None:
-        keys = {name: value for name in OPTIONS if (value := given.pop(name, None)) is not None}
-        verb(**given, cameras=Cameras(keys.pop("camera", []), keys.pop("orbit", None), keys))
 
-    vars(command)["__signature__"] = signature.replace(parameters=whole)
-    command.__annotations__ = {one.name: one.annotation for one in whole}
-    return command
+with_cameras = with_options("cameras", OPTIONS, _cameras)
+"""Gives a verb the options of where to look from in place of its argument ``cameras``."""

@@ -5,11 +5,13 @@ Results go to standard output, everything else to standard error.
 
 from __future__ import annotations
 
+import inspect
 import json
 import os
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial, wraps
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -23,10 +25,10 @@ from typer.core import TyperGroup
 import hsr
 from hsr.base.errors import HsrError
 
-MAPS = (".npz", ".png")
+MAPS = (".npz", ".png", ".exr", ".npy", ".raw")
 """Endings of maps."""
 
-WRITTEN = (*MAPS, ".html", ".json", ".csv", ".md", ".svg", ".toml")
+WRITTEN = (".npz", ".png", ".html", ".json", ".csv", ".md", ".svg", ".toml")
 """Endings of all that verbs write: who names a folder so means a file."""
 
 ALL = "all"
@@ -64,6 +66,8 @@ def scene_completion(incomplete: str) -> list[str]:
     return [name for name in built_in() if name.startswith(incomplete)]
 
 
+Verb = Callable[..., None]
+
 Text = str | None
 """Of an option that may be left out."""
 
@@ -76,17 +80,17 @@ Verbose = Annotated[bool, Option("--verbose", "-v", help="Also print work counts
 METHOD = Option("--method", "-a", help="Repeatable; see 'hsr algos'.", autocompletion=method_completion)
 Methods = Annotated[Texts, METHOD]
 Size = Annotated[str, Option(help="Image size in pixels, WxH or N.")]
+MapSize = Annotated[Text, Option(help="Image size in pixels, WxH or N; that of the maps, or else 512.")]
+NamedMaps = Annotated[
+    Texts, Option("--map", metavar="[NAME=]FILE", help="Map, as for 'hsr diff'; repeatable.")
+]
 SCENES = Argument(help="Scenes or mesh files.", autocompletion=scene_completion)
 SceneFiles = Annotated[list[Path], SCENES]
 SceneFile = Annotated[Path, Argument(help="Scene or mesh file.", autocompletion=scene_completion)]
 SceneOutput = Annotated[Path | None, output("Scene to write, .toml; standard output by default.", ".toml")]
 ExportFolder = Annotated[Path, output("Folder to write; nothing may be in it yet.")]
-MapFile = Annotated[Path, Argument(help="Map, .npz, or a PNG whose colours are ids, from 1 on.")]
+MapFile = Annotated[Path, Argument(help="Map, .npz, or an image of ids: .png, .exr, .npy, .npz, .raw.")]
 Against = Annotated[Path, Argument(help="What it should show: another map, or the scene, for the exact one.")]
-Model = Annotated[Text, Option(help="What made the map: exact, opengl, float32, float64 or a method.")]
-SubpixelBits = Annotated[int | None, Option(help="Of the model: bits of a pixel that corners keep.")]
-DepthFormat = Annotated[Text, Option(help="Of the model: what its depth buffer holds.")]
-FillRule = Annotated[Text, Option(help="Of the model: who owns samples on edges, top-left or bottom-left.")]
 Sample = Annotated[str, Argument(metavar="X,Y", help="Column and row, counted from 0 at the top left.")]
 
 
@@ -109,6 +113,29 @@ def names(method: Texts) -> list[str]:
     from hsr.algorithms.registry import default_methods
 
     return list(hsr.methods()) if method == [ALL] else method or default_methods()
+
+
+def with_options(
+    name: str, options: Mapping[str, Any], made: Callable[[dict[str, Any]], Any]
+) -> Callable[[Verb], Verb]:
+    """Return a decorator that gives a verb options in place of its argument ``name``, made of those given."""
+
+    def decorated(verb: Verb) -> Verb:
+        signature = inspect.signature(verb, eval_str=True)
+        added = partial(inspect.Parameter, kind=inspect.Parameter.KEYWORD_ONLY, default=None)
+        own = [one for key, one in signature.parameters.items() if key != name]
+        whole = [*own, *(added(key, annotation=hint) for key, hint in options.items())]
+
+        @wraps(verb)
+        def command(**given: Any) -> None:
+            keys = {key: value for key in options if (value := given.pop(key, None)) is not None}
+            verb(**given, **{name: made(keys)})
+
+        vars(command)["__signature__"] = signature.replace(parameters=whole)
+        command.__annotations__ = {one.name: one.annotation for one in whole}
+        return command
+
+    return decorated
 
 
 def parse_size(text: str) -> tuple[int, int]:
@@ -143,11 +170,6 @@ def parse_sample(text: str, view: hsr.View) -> tuple[int, int]:
         raise HsrError(f"sample {text!r}: write COLUMN,ROW, such as 311,204") from None
     check_sample(view, column, row)
     return column, row
-
-
-def read_map(path: Path, view: hsr.View | None = None) -> hsr.VisibilityMap:
-    """Read a map, or a picture of ids; those of a view are its triangles."""
-    return hsr.testing.from_png(path, view) if path.suffix.lower() == ".png" else hsr.load_map(path)
 
 
 def check_output(path: Path, *endings: str) -> None:
@@ -262,8 +284,8 @@ def tell(as_json: bool, kind: str, value: Mapping[str, Any], lines: Iterable[str
 
 
 def milliseconds(seconds: dict[str, float]) -> str:
-    """Return the time of the stage ``render``."""
-    return f"{1e3 * seconds.get('render', 0.0):.1f} ms"
+    """Return the time of the stage ``render``; nothing if another program rendered."""
+    return f"{1e3 * seconds['render']:.1f} ms" if "render" in seconds else ""
 
 
 @contextmanager

@@ -19,6 +19,7 @@ import hsr
 from hsr.base.errors import HsrError, UnavailableError
 from hsr.cli import common as cli
 from hsr.cli.cameras import Cameras, with_cameras
+from hsr.cli.images import Images, with_images
 
 if TYPE_CHECKING:
     from hsr.base.store import Store
@@ -32,11 +33,13 @@ MANY = 3
 
 
 @with_cameras
+@with_images
 def compare(
     scenes: cli.SceneFiles,
     method: cli.Methods = None,
     ref: Annotated[str, Option(help="Reference method.")] = "exact",
-    size: cli.Size = "512x512",
+    map: cli.NamedMaps = None,
+    size: cli.MapSize = None,
     output: Annotated[Path | None, cli.output("Write the report, .html.", ".html")] = None,
     histories: Annotated[cli.Text, Option(help="Samples a scene that the report explains, or all.")] = None,
     fail_on: Annotated[cli.Text, Option(help="Classes of difference, comma separated: then exit 1.")] = None,
@@ -46,6 +49,7 @@ def compare(
     verbose: cli.Verbose = False,
     *,
     cameras: Cameras,
+    images: Images,
 ) -> None:
     """Render scenes by many methods and compare every visibility map with the reference.
 
@@ -58,6 +62,7 @@ def compare(
         hsr compare teapot -o report.html
         hsr compare bunny.obj --ref opengl -a zbuffer -a raycast
         hsr compare solids --orbit 8 --fail-on missing,extra
+        hsr compare teapot --map mine=ids.png --map theirs=ids.npy -o report.html
     """
     from hsr.algorithms.ahead import Ahead
     from hsr.base.store import Store
@@ -65,13 +70,17 @@ def compare(
 
     forbidden, told = _classes(fail_on or ""), _histories(histories)
     loaded = [pair for path in scenes for pair in cameras.scenes(path.stem, hsr.load(path))]
+    if map and len(loaded) > 1:
+        raise HsrError(f"--map: a map shows one view, not {len(loaded)}; name one scene and one camera")
+    sides = images.size(size, map or ())
+    given = [images.read(file, sides, hsr.view(loaded[0][1], sides)) for file in map or ()]
     asked, names = cli.named(method), cli.names(method)
     store, studies = Store(fresh=fresh), []
     with cli.progress(quiet, len(loaded) * (len({*names, ref}) + 1)) as step:
         with Ahead(scenes[0], [*names, ref]) as ahead:
             for name, scene in loaded:
                 how = partial(study, name=name, patient=bool(asked), progress=step, store=store, ahead=ahead)
-                studies.append(how(scene, names, ref, cli.parse_size(size)))
+                studies.append(how(scene, names, ref, sides, given=given))
         for found in studies:
             # What is missing here and was asked for by name is no mere skipped column.
             for name in found.missing.intersection([*asked, ref]):

@@ -10,23 +10,23 @@ import typer
 import hsr
 from hsr.cli import common as cli
 from hsr.cli.cameras import Cameras, with_cameras
+from hsr.cli.images import Images, with_images
 
 if TYPE_CHECKING:
     from hsr.testing.judging import Judgement
 
 
 @with_cameras
+@with_images
 def diff(
     map: cli.MapFile,
     against: cli.Against,
-    model: cli.Model = None,
-    subpixel_bits: cli.SubpixelBits = None,
-    depth_format: cli.DepthFormat = None,
-    fill_rule: cli.FillRule = None,
+    size: cli.MapSize = None,
     as_json: cli.Json = False,
     verbose: cli.Verbose = False,
     *,
     cameras: Cameras,
+    images: Images,
 ) -> None:
     """Compare a visibility map with another, or with the truth; exit 1 if any sample shows another face.
 
@@ -37,9 +37,10 @@ def diff(
 
         hsr diff a.npz b.npz
         hsr diff ids.png teapot --model opengl
+        hsr diff ids.npy teapot --background 0xffffffff --flip
+        hsr diff ids.raw cube --ids bgr24 --size 640x480 --faces faces.csv
     """
-    made_by = {"subpixel_bits": subpixel_bits, "depth_format": depth_format, "fill_rule": fill_rule}
-    found = _judged(map, against, cameras, model=model, **made_by)
+    found = _judged(map, against, size, cameras, images)
     lines = [found.difference.summary(clusters=None if verbose else 5)]
     if found.causes is not None:
         lines += [f"  {count:,} by {cause}" for cause, count in found.counts.items()]
@@ -48,7 +49,16 @@ def diff(
 
 
 @with_cameras
-def diagnose(map: cli.MapFile, against: cli.Against, as_json: cli.Json = False, *, cameras: Cameras) -> None:
+@with_images
+def diagnose(
+    map: cli.MapFile,
+    against: cli.Against,
+    size: cli.MapSize = None,
+    as_json: cli.Json = False,
+    *,
+    cameras: Cameras,
+    images: Images,
+) -> None:
     """Name the one mistake that makes a picture wrong; exit 1 if any sample shows another face.
 
     Shifts, flips, and ids counted otherwise; against a scene also inverted culling, other rules for ties, and
@@ -58,26 +68,25 @@ def diagnose(map: cli.MapFile, against: cli.Against, as_json: cli.Json = False, 
 
         hsr diagnose ids.png teapot
     """
-    found = _judged(map, against, cameras)
+    found = _judged(map, against, size, cameras, images)
     none = "nothing differs" if found.difference.same else "no mistake that is known explains it"
     if found.causes is not None and not found.causes.unexplained:
         none = f"rounded as by {', '.join(found.counts)}, no mistake"
     _tell("diagnose", found, [map, against], {}, as_json, [*found.diagnoses] or [none])
 
 
-def _judged(map: Path, against: Path, cameras: Cameras, **made_by: Any) -> Judgement:
+def _judged(map: Path, against: Path, size: cli.Text, cameras: Cameras, images: Images) -> Judgement:
     from hsr.testing.judging import Subject, judge
     from hsr.testing.limits import Limits
 
-    shown, limits, subject = cli.read_map(map), Limits(**made_by), None
+    sides, view = images.size(size, [map]), None
     if against.suffix.lower() in cli.MAPS:
-        expected = cli.read_map(against)
+        expected = images.read(against, sides)
     else:
-        view = hsr.view(cameras.one(hsr.load(against)), (shown.width, shown.height))
-        shown, expected, subject = cli.read_map(map, view), hsr.render(view, "exact"), Subject(view)
-    if limits.made_by:  # whatever the map says itself
-        shown = hsr.testing.modelled(shown, **limits.made_by)
-    return judge(map.name, shown, expected, limits, subject)
+        view = hsr.view(cameras.one(hsr.load(against)), sides)
+        expected = hsr.render(view, "exact")
+    shown = images.read(map, sides, view)
+    return judge(map.name, shown, expected, Limits(), None if view is None else Subject(view))
 
 
 def _tell(kind: str, found: Judgement, files: list[Path], more: Any, as_json: bool, lines: list[Any]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -10,15 +11,17 @@ from typing import Any
 import numpy as np
 
 from hsr.algorithms.ahead import Ahead
-from hsr.algorithms.registry import Method, driver_of, method_named
+from hsr.algorithms.registry import Method, driver_of, method_named, methods
 from hsr.base.arrays import Array
-from hsr.base.errors import MethodError, UnavailableError
+from hsr.base.errors import MapError, MethodError, UnavailableError
 from hsr.base.jit import is_compiled
 from hsr.base.store import Store
 from hsr.difference.cause import Causes, causes, causes_by
+from hsr.difference.cause import explained as put_down
 from hsr.difference.classes import Difference, compare
 from hsr.difference.history import explain
-from hsr.problem.map import VisibilityMap
+from hsr.models.foreign import MODEL
+from hsr.problem.map import READ, VisibilityMap
 from hsr.problem.view import View, view
 from hsr.scene.files import ball_of
 from hsr.scene.fitting import words
@@ -94,7 +97,9 @@ class Study:
         (seen,) = (camera for camera in self.scene.camera if camera.name == self.camera)
         base = next((camera for camera in cameras if camera.name == self.camera), cameras[0])
         moves = words(seen, base, ball_of(self.scene))
-        asked = [word for name in self.maps for word in ("-a", name)]
+        read = dict.fromkeys(map.notes.get(READ, "") for map in self.maps.values())
+        asked = [word for name, map in self.maps.items() if READ not in map.notes for word in ("-a", name)]
+        asked += [word for words in read for word in shlex.split(words)]
         named = "" if base == cameras[0] else base.name
         size = (self.view.width, self.view.height)
         return "" if moves is None else explain(file, "X,Y", size, named, [*moves, *asked])
@@ -130,6 +135,7 @@ def study(
     progress: Progress | None = None,
     store: Store | None = None,
     ahead: Ahead | None = None,
+    given: Sequence[VisibilityMap] = (),
     each: Callable[[Study], None] | None = None,
 ) -> Study:
     """Run methods on one view of a scene and compare their maps with that of the reference.
@@ -159,6 +165,8 @@ def study(
         Where maps are looked up, and kept; those from there have the note :data:`RECALLED`.
     ahead : Ahead, optional
         Who compiles kernels meanwhile.
+    given : sequence of VisibilityMap
+        Of the same view by other programs, which stand after the methods, called by theirs.
     each : callable, optional
         Called after each method with the study as it is so far.
 
@@ -172,15 +180,21 @@ def study(
         If a method does not exist.
     ViewError
         If the view cannot be made.
+    MapError
+        If two of the methods and maps have one name.
     """
     chosen = [method_named(name) for name in dict.fromkeys([*methods, reference])]
-    problem = view(scene, size, camera)
+    problem, outside = view(scene, size, camera), {map.method: map for map in given}
+    if len({method.name for method in chosen} | outside.keys()) < len(chosen) + len(given):
+        raise MapError(
+            f"two of the methods and maps are called alike; name maps otherwise: {', '.join(outside)}"
+        )
     maps: dict[str, VisibilityMap] = {}
     skipped: dict[str, str] = {}
     missing: set[str] = set()
 
     def so_far() -> Study:
-        made = {method.name: maps[method.name] for method in chosen if method.name in maps}
+        made = {method.name: maps[method.name] for method in chosen if method.name in maps} | outside
         truth = made.get(reference)
         others = {name: map for name, map in made.items() if truth and name != reference}
         return Study(
@@ -188,12 +202,12 @@ def study(
             scene=scene,
             view=problem,
             camera=camera or scene.camera[0].name,
-            methods=tuple(method.name for method in chosen),
+            methods=(*(method.name for method in chosen), *outside),
             reference=reference if truth else None,
             maps=made,
             skipped=skipped,
             missing=frozenset(missing),
-            tessellating=tuple(method.name for method in chosen if problem.curved and not method.curved),
+            tessellating=(*(x.name for x in chosen if not x.curved), *outside) if problem.curved else (),
             differences={name: compare(map, truth) for name, map in others.items() if truth},
             causes={},
             agreement=_agreement(list(made.values())),
@@ -212,6 +226,9 @@ def study(
                 missing.add(method.name)
         if each is not None and maps:
             each(so_far())
+    truth = maps.get(reference)
+    if truth is not None and truth.admissible is not None:
+        outside |= {name: put_down(problem, map, truth)[0] for name, map in outside.items()}
     return so_far()
 
 
@@ -262,7 +279,8 @@ def _answer(method: Method, problem: View, patient: bool, store: Store | None) -
 
 def _causes(problem: View, answer: VisibilityMap, truth: VisibilityMap, store: Store | None) -> Causes:
     """Look up why samples of a map are wrong, or find out."""
-    if not method_named(answer.method).ours:
+    method = methods().get(answer.method)
+    if method is None or not method.ours or MODEL in answer.notes:
         try:
             return causes(problem, answer, truth)
         except Exception:  # the models of another package may raise anything: it is as if there were none

@@ -21,6 +21,7 @@ from hsr.base.files import write_whole
 from hsr.base.store import Store
 from hsr.difference.classes import DIFFERENT, SampleClass
 from hsr.difference.study import Study, causes_of
+from hsr.models.foreign import MODEL
 from hsr.models.stages import Cause
 from hsr.pages.frame import page, style
 from hsr.pages.inspector import fragment, inspected, inspection
@@ -28,6 +29,7 @@ from hsr.pages.shading import shade
 from hsr.pages.stories import HISTORIES, LISTED
 from hsr.pictures.palette import CAUSE_COLOURS, CLASS_COLOURS
 from hsr.pictures.png import data_uri
+from hsr.problem.map import READ
 
 TITLE = "Which surface does the eye see?"
 
@@ -127,7 +129,8 @@ def gathered(found: Study, histories: int | None, store: Store | None) -> Gather
     """Look up what a page shows of a study, or gather it."""
     if store is None:
         return _gather(found, histories)
-    maps = [(name, map.digest, map.notes.get("driver")) for name, map in found.maps.items()]
+    told = ("driver", MODEL, READ)
+    maps = [(name, map.digest, *[map.notes.get(note) for note in told]) for name, map in found.maps.items()]
     scene = (found.scene.model_dump_json(), found.scene.file, found.scene.cameras_of_file, found.view.hashes)
     parts = ("page", found.name, found.camera, found.reference, histories, maps, scene)
     data: Gathered | None = store.get(*parts)

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 from zipfile import is_zipfile
 
 import numpy as np
+from numpy.lib.format import MAGIC_PREFIX
 
 from hsr.base.arrays import Array, Bools, Floats, Ints
 from hsr.base.errors import MapError, told_briefly
@@ -29,6 +30,9 @@ FORMAT = 1
 
 NO_DEPTH = {"stored": "nothing"}
 """The note ``depth_format`` of a map that tells no depths."""
+
+READ = "read"
+"""The note of a map that was read for a command: the options that say so."""
 
 TOLD = ("method", "work", "notes", "manifest", "hashes")
 """What the file tells beside the arrays: fields of :class:`VisibilityMap`."""
@@ -239,7 +243,7 @@ def load_map(path: str | Path) -> VisibilityMap:
     """
     from hsr.problem.map_file import check_facts, ties_of  # pydantic takes long to import
 
-    held = _arrays_in(path)
+    held = arrays_in(path)
     try:
         face, depth, meta = (held[name] for name in ("face", "depth", "meta"))
         facts = json.loads(str(meta))
@@ -262,10 +266,14 @@ def load_map(path: str | Path) -> VisibilityMap:
         raise MapError(f"{path}: {told_briefly(error)}; render it again") from None
 
 
-def _arrays_in(path: str | Path) -> dict[str, Array]:
-    """Read the arrays of an ``.npz`` file; never a Python object."""
+def arrays_in(path: str | Path) -> dict[str, Array]:
+    """Read the arrays of an ``.npz`` file by name, or the one of an ``.npy``; never a Python object."""
     try:
         with Path(path).open("rb") as file:
+            single = file.read(len(MAGIC_PREFIX)) == MAGIC_PREFIX
+            file.seek(0)
+            if single:
+                return {"array": np.load(file, allow_pickle=False)}
             if not is_zipfile(file):
                 raise MapError(f"{path}: not a visibility map (no .npz file)")
             file.seek(0)

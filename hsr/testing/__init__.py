@@ -11,6 +11,7 @@ from hsr.models.foreign import modelled
 from hsr.testing.checks import assert_agree, assert_matches_baseline, assert_same_visibility, assert_similar
 from hsr.testing.conformance import check_method
 from hsr.testing.converters import by_object, from_ids, from_nvdiffrast, from_open3d, from_png, from_pyrender
+from hsr.testing.images import read_map
 
 __all__ = [
     "VisibilityError",
@@ -26,4 +27,5 @@ __all__ = [
     "from_png",
     "from_pyrender",
     "modelled",
+    "read_map",
 ]

@@ -1,4 +1,4 @@
-"""Visibility maps from the images of ids that other renderers make.
+"""Visibility maps from the images of ids that other renderers make; :mod:`hsr.testing.images` reads files.
 
 Other renderers number triangles, in the order in which they were given them. With ``view`` a converter
 takes them to be ``view.tessellated().triangles`` and returns the faces they belong to, named as the view
@@ -111,29 +111,35 @@ def _whole(ids: Array, method: str, what: str) -> Array:
     grid = _grid(ids, method, what)
     with np.errstate(invalid="ignore"):  # NaN becomes a number, which differs from it
         number = grid.astype(np.int64)
-    _refuse(number != grid, grid, method, "is no whole number; switch off antialiasing, which blends ids")
+    refuse(number != grid, grid, method, "is no whole number; switch off antialiasing, which blends ids")
     if grid.dtype.kind == "f":
         bits = np.finfo(grid.dtype).nmant + 1
-        _refuse(grid > 2**bits, grid, method, f"is beyond 2^{bits}, where {grid.dtype} counts no longer")
+        refuse(grid > 2**bits, grid, method, f"is beyond 2^{bits}, where {grid.dtype} counts no longer")
     return number
 
 
 def _faces(number: Array, covered: Array, view: View | None, method: str) -> Ints:
-    if view is not None and number.shape != (view.height, view.width):
-        height, width = number.shape
-        sizes = f"{width}x{height} is not the size of the view, {view.width}x{view.height}"
-        raise MapError(f"{method}: {sizes}")
+    if view is not None:
+        check_size(number, view, method)
     owner = None if view is None else view.tessellated().triangle_face
     last = int(np.iinfo(np.int32).max) if owner is None else len(owner) - 1
     strange = covered & ((number < 0) | (number > last))
-    _refuse(strange, number, method, f"is no triangle: they run from 0 to {last}")
+    refuse(strange, number, method, f"is no triangle: they run from 0 to {last}")
     shown = number.astype(np.int32)
     if owner is not None:
         shown[covered] = owner[number[covered]]
     return shown
 
 
-def _refuse(wrong: Array, values: Array, method: str, why: str) -> None:
+def check_size(number: Array, view: View, method: str) -> None:
+    """Raise if an image has not the size of the view."""
+    if number.shape != (view.height, view.width):
+        height, width = number.shape
+        sizes = f"{width}x{height} is not the size of the view, {view.width}x{view.height}"
+        raise MapError(f"{method}: {sizes}")
+
+
+def refuse(wrong: Array, values: Array, method: str, why: str) -> None:
     """Raise if any sample is wrong, naming the first."""
     if wrong.any():
         y, x = np.argwhere(wrong)[0]
@@ -146,6 +152,29 @@ def _numbers(colours: Array) -> Array:
     """Read colours (..., 3 or more) as numbers: ``red * 65536 + green * 256 + blue``."""
     red, green, blue = (colours[..., k].astype(np.int32) for k in range(3))
     return np.asarray(red << 16 | green << 8 | blue)
+
+
+def read_png(path: str | Path) -> tuple[Array, str, int]:
+    """Read a PNG: its pixels, their mode, and the bits of a channel in the file, of which Pillow keeps 8.
+
+    Raises
+    ------
+    MapError
+        If it is none.
+    """
+    try:
+        with Path(path).open("rb") as file:
+            magic, width, height, bits = struct.unpack(">8s8xIIB", file.read(25))
+            if magic != PNG:
+                raise MapError("not a PNG file")
+            if max(width, height) > MAX_SIDE:
+                raise MapError(f"it is larger than {MAX_SIDE}x{MAX_SIDE}")
+            file.seek(0)
+            # Image.open would refuse what is large, and takes what is no PNG.
+            with PngImageFile(file) as image:
+                return np.asarray(image), image.mode, bits
+    except Exception as error:  # on a damaged file Pillow raises almost anything
+        raise MapError(f"{path}: not a picture that can be read ({told_briefly(error)})") from error
 
 
 def from_png(
@@ -175,19 +204,7 @@ def from_png(
     MapError
         If the file is no such picture, or see :func:`from_ids`.
     """
-    try:
-        with Path(path).open("rb") as file:
-            magic, width, height, bits = struct.unpack(">8s8xIIB", file.read(25))
-            if magic != PNG:
-                raise MapError("not a PNG file")
-            if max(width, height) > MAX_SIDE:
-                raise MapError(f"it is larger than {MAX_SIDE}x{MAX_SIDE}")
-            file.seek(0)
-            # Image.open would refuse what is large, and takes what is no PNG.
-            with PngImageFile(file) as image:
-                mode, pixels = image.mode, np.asarray(image)
-    except Exception as error:  # on a damaged file Pillow raises almost anything
-        raise MapError(f"{path}: not a picture that can be read ({told_briefly(error)})") from error
+    pixels, mode, bits = read_png(path)
     if mode not in ("RGB", "RGBA") or bits != 8 or (mode == "RGBA" and (pixels[..., 3] != 255).any()):
         raise MapError(f"{path}: ids need a PNG of opaque 8-bit RGB, not PNG {mode} of {bits} bits")
     return from_ids(_numbers(pixels), view, background=background, first=first, method=method, **model)
@@ -267,8 +284,8 @@ def from_open3d(
             f"{method}: geometry_ids {geometry.shape} have not the shape of the others, {ids.shape}"
         )
     without = (geometry < 0) | (geometry >= len(starts))
-    _refuse(covered & without, geometry, method, "is a geometry without a start")
-    _refuse(covered & (ids < 0), ids, method, "is no triangle")
+    refuse(covered & without, geometry, method, "is a geometry without a start")
+    refuse(covered & (ids < 0), ids, method, "is no triangle")
     numbers = np.where(covered, ids + np.asarray(starts)[np.where(covered, geometry, 0)], BACKGROUND)
     return from_ids(numbers, view, depth=depth, method=method, **model)
 
@@ -312,7 +329,7 @@ def from_pyrender(
         raise MapError(f"{method}: the colour {double} is of two nodes, or of a node and what shows nothing")
     order = np.argsort(known)
     number = order[np.searchsorted(known, painted, sorter=order).clip(max=len(known) - 1)]
-    _refuse(known[number] != painted, painted, method, "is the colour of no node; switch antialiasing off")
+    refuse(known[number] != painted, painted, method, "is the colour of no node; switch antialiasing off")
     shown = from_ids(number, background=0, first=1, method=method)
     return shown if view is None else replace(shown, manifest=_objects(view.manifest))
 
