@@ -6,6 +6,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 import hsr
 from hsr.scene.info import schema
 
@@ -65,6 +67,16 @@ def test_scene_export(run: Any, tmp_path: Path) -> None:
     camera = json.loads((target / "camera.json").read_text(encoding="utf-8"))
     assert camera["size"] == [24, 16] and camera["far"] == 9.0
     assert run("diff", str(target / "expected.png"), str(target / "expected.npz"))[0] == 0
+    np.save(
+        tmp_path / "yours.npy", 2 * np.load(target / "expected.npy")
+    )  # two triangles to a face, -2 for none
+    told = (
+        str(tmp_path / "yours.npy"),
+        str(target / "expected.npz"),
+        "--faces",
+        str(target / "triangle_face.csv"),
+    )
+    assert run("diff", *told, "--background", "-2")[0] == 0
     before = {path: path.read_bytes() for path in target.iterdir()}
     code, out, err = run("scene", "export", CUBE, "-o", str(target))
     assert code == 2 and "there is something already, which is left as it is" in err and out == ""

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from importlib.resources import files
 from io import BytesIO
-from itertools import pairwise
+from itertools import count, pairwise
 from pathlib import Path
 from string import Template
 from typing import Any
@@ -67,14 +67,14 @@ def export(view: View, folder: str | Path, title: str) -> VisibilityMap:
     camera, seen = conventions(view), as_written(view)
     truth = replace(render(seen, "exact"), manifest=view.manifest)
     culled = [{"cull": CULLED[one.cull]} for one in view.geometry]
-    ties = list(_ties(truth))
+    ties, owners = list(_ties(truth)), seen.triangle_face.tolist()
     write_folder(
         folder,
         {
             "README.md": _readme(title, seen, truth, len(ties)),
             "scene.obj": obj(seen.geometry),
             "scene.glb": glb(seen.geometry),
-            "triangle_face.npy": _npy(seen.triangle_face),
+            "triangle_face.csv": "".join(["id,face\n", *map("{},{}\n".format, count(), owners)]),
             "faces.json": _json({"objects": [*map(operator.or_, view.manifest, culled)]}),
             "camera.json": _json(camera),
             "expected.npz": truth.encoded(),
