@@ -24,6 +24,12 @@ def load(path: str | Path) -> Scene:
     ------
     SceneError
         With one line for each problem of the file and of the meshes it names.
+
+    Examples
+    --------
+    >>> import hsr
+    >>> [camera.type for camera in hsr.load("needle").camera]
+    ['orthographic']
     """
     name = str(path)
     if Path(name).suffix or Path(name).exists() or name in built_in():
