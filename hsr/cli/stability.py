@@ -82,6 +82,9 @@ Side = Annotated[int, Option(min=8, max=1024, help="Side of the picture, in samp
 def export(family: Name, output: cli.ExportFolder, at: At = None, side: Side = 64) -> None:
     """Write a hard case for other programs, as 'hsr scene export' writes scenes.
 
+    Its coordinates are rounded to float32, which may make another case of it: the truth is that of what is
+    written.
+
     For example:
 
         hsr stability export needle --at 0.125 -o needle
