@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import nullcontext
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
 from multiprocessing import get_context
@@ -30,6 +31,8 @@ Explain = Callable[["Study"], dict[str, "Causes"]]
 
 MANY = 3
 """So many new scenes are worth the seconds that other processes take to start."""
+
+ENDED = "a process that finds causes was ended, perhaps for want of memory: try again, with fewer scenes"
 
 
 @with_cameras
@@ -112,15 +115,22 @@ def _explained(studies: Sequence[Study], explain: Explain, step: Progress) -> It
     from hsr.difference.study import RECALLED
 
     new = sum(any(RECALLED not in map.notes for map in found.maps.values()) for found in studies)
-    apart = ProcessPoolExecutor(mp_context=get_context("spawn"), initializer=_alone) if new >= MANY else None
-    with apart or nullcontext():
-        # Ctrl-C goes to all processes; those that are started here leave it to this one.
-        heard = signal(SIGINT, SIG_IGN)
-        answers = (apart.map if apart else map)(explain, studies)
-        signal(SIGINT, heard)
-        for found, causes in zip(studies, answers, strict=True):
-            step(f"{found.name}: causes")
-            yield replace(found, causes=causes)
+    with ExitStack() as end:
+        answers = map(explain, studies)
+        if new >= MANY:
+            apart = ProcessPoolExecutor(mp_context=get_context("spawn"), initializer=_alone)
+            end.callback(apart.shutdown, cancel_futures=True)
+            # Ctrl-C goes to all processes; those that are started here leave it to this one.
+            heard = signal(SIGINT, SIG_IGN)
+            asked = [apart.submit(explain, found) for found in studies]
+            signal(SIGINT, heard)
+            answers = map(Future.result, asked)
+        try:
+            for found, causes in zip(studies, answers, strict=True):
+                step(f"{found.name}: causes")
+                yield replace(found, causes=causes)
+        except BrokenProcessPool:
+            raise HsrError(ENDED) from None
 
 
 def _alone() -> None:

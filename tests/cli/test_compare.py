@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from hsr.algorithms import registry
+from hsr.base.errors import HsrError
+from hsr.cli.compare import _explained
 
 CUBE = "scenes/cube.toml"
 
@@ -68,3 +72,17 @@ def test_compare_fails_on_a_class_it_meets(run: Any) -> None:
     assert run(*arguments)[0] == 0
     assert run(*arguments, "--fail-on", "wrong face")[0] == 1
     assert run(*arguments, "--fail-on", "missing,extra")[0] == 0
+
+
+# ---------------------------------------------------------------- several processes
+
+
+def ended_from_outside(found: Any) -> None:
+    os._exit(1 if found else 0)
+
+
+def test_a_process_that_is_ended_from_outside_is_no_mistake_of_ours() -> None:
+    maps = {"zbuffer": SimpleNamespace(notes={}, large=bytes(1 << 20))}
+    studies: Any = [SimpleNamespace(name=str(k), maps=maps) for k in range(20)]
+    with pytest.raises(HsrError, match="was ended"):
+        list(_explained(studies, ended_from_outside, str))
