@@ -16,7 +16,6 @@ from typing import Any, NamedTuple
 from zipfile import is_zipfile
 
 import numpy as np
-from numpy.lib.format import MAGIC_PREFIX
 
 from hsr.base.arrays import Array, Bools, Floats, Ints
 from hsr.base.errors import MapError, told_briefly
@@ -267,18 +266,20 @@ def load_map(path: str | Path) -> VisibilityMap:
 
 
 def arrays_in(path: str | Path) -> dict[str, Array]:
-    """Read the arrays of an ``.npz`` file by name, or the one of an ``.npy``; never a Python object."""
+    """Read the arrays of an ``.npz`` file; never a Python object."""
+    with reading(path), Path(path).open("rb") as file:
+        if not is_zipfile(file):
+            raise MapError(f"{path}: not a visibility map (no .npz file)")
+        file.seek(0)
+        with np.load(file, allow_pickle=False) as arrays:
+            return dict(arrays)
+
+
+@contextmanager
+def reading(path: str | Path) -> Iterator[None]:
+    """Turn what NumPy raises of a file into one line."""
     try:
-        with Path(path).open("rb") as file:
-            single = file.read(len(MAGIC_PREFIX)) == MAGIC_PREFIX
-            file.seek(0)
-            if single:
-                return {"array": np.load(file, allow_pickle=False)}
-            if not is_zipfile(file):
-                raise MapError(f"{path}: not a visibility map (no .npz file)")
-            file.seek(0)
-            with np.load(file, allow_pickle=False) as arrays:
-                return dict(arrays)
+        yield
     except FileNotFoundError:
         raise MapError(f"{path}: no such file; write one with 'hsr render SCENE -o {path}'") from None
     except MapError:

@@ -28,7 +28,7 @@ import numpy as np
 
 from hsr.base.arrays import Array
 from hsr.base.errors import MapError, nearest, told_briefly
-from hsr.problem.map import BACKGROUND, VisibilityMap, arrays_in, load_map, name_in
+from hsr.problem.map import BACKGROUND, VisibilityMap, arrays_in, load_map, name_in, reading
 from hsr.problem.view import View
 from hsr.testing.converters import check_size, from_ids, read_png, refuse
 
@@ -115,7 +115,6 @@ def read_map(
     *,
     ids: str | None = None,
     background: int | None = None,
-    first: int | None = None,
     faces: str | Path | None = None,
     flip: bool = False,
     size: tuple[int, int] | None = None,
@@ -136,8 +135,7 @@ def read_map(
         hold ids as they are.
     background : int, optional
         The id of samples that show nothing; 0 by default, in arrays of signed numbers -1.
-    first : int, optional
-        The id of the first triangle: 1 by default where 0 is the background, else 0.
+        Triangles count from 1 where it is 0, else from 0.
     faces : str or Path, optional
         JSON or CSV that tells which face each id is, by number or by name; several ids may be one face.
     flip : bool
@@ -173,14 +171,13 @@ def read_map(
         return replace(own, method=method or own.method)
     number, named = _ids(path, ids, size)
     nothing = background if background is not None else -1 if number.dtype.kind == "i" else 0
-    start = first if first is not None else int(nothing == 0)
+    told: dict[str, Any] = {"bottom_up": flip, "method": called, **model}
     if faces is None and not named:
-        told: dict[str, Any] = {"background": nothing, "first": start, "bottom_up": flip, "method": called}
-        return from_ids(number, view, **told, **model)
+        return from_ids(number, view, background=nothing, first=int(nothing == 0), **told)
     source = path if faces is None else Path(faces)
     pairs = [(name, name) for name in named] if faces is None else _pairs(source)
     table = {**_table(pairs, named, view, source), nothing: BACKGROUND}
-    shown = from_ids(_looked_up(number, table, called, source), bottom_up=flip, method=called, **model)
+    shown = from_ids(_looked_up(number, table, called, source), **told)
     return shown if view is None else _of(view, shown)
 
 
@@ -235,16 +232,20 @@ def _png(path: Path, how: Packing | None, size: tuple[int, int] | None) -> Ids:
     return wanted.numbers(np.atleast_3d(pixels), path), {}
 
 
-def _array(path: Path, how: Packing | None, size: tuple[int, int] | None) -> Ids:
+def _npy(path: Path, how: Packing | None, size: tuple[int, int] | None) -> Ids:
+    del size
+    with reading(path), path.open("rb") as file:
+        found: Array = np.lib.format.read_array(file, allow_pickle=False)
+    return (how or RGB).numbers(found, path) if found.ndim == 3 else found, {}
+
+
+def _npz(path: Path, how: Packing | None, size: tuple[int, int] | None) -> Ids:
     del size
     held = arrays_in(path)
-    name = "ids" if "ids" in held else next(iter(held), "")
-    if len(held) != 1 and name != "ids":
+    name = "ids" if "ids" in held or len(held) != 1 else next(iter(held))
+    if name not in held:
         raise MapError(f"{path}: which of {', '.join(held) or 'no arrays'} is it? call that one 'ids'")
-    found = held[name]
-    if found.ndim == 3:
-        return (how or RGB).numbers(found, path), {}
-    return found, {}
+    return (how or RGB).numbers(held[name], path) if held[name].ndim == 3 else held[name], {}
 
 
 def _raw(path: Path, how: Packing | None, size: tuple[int, int] | None) -> Ids:
@@ -294,8 +295,8 @@ def _cryptomatte(path: Path, held: Mapping[str, Array], layer: str, manifest: st
 READERS: Mapping[str, Callable[[Path, Packing | None, tuple[int, int] | None], Ids]] = {
     ".png": _png,
     ".exr": _exr,
-    ".npy": _array,
-    ".npz": _array,
+    ".npy": _npy,
+    ".npz": _npz,
     ".raw": _raw,
 }
 """By the endings of files."""

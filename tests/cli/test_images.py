@@ -64,7 +64,7 @@ def test_compare_shows_maps_beside_methods(run: Any, files: Path, tmp_path: Path
         list(study["methods"]) == ["zbuffer", "exact", "mine"] and study["causes"]["mine"]["unexplained"] == 0
     )
     text = Path(page).read_text(encoding="utf-8")
-    assert ">mine<" in text and "vertex snapping" in text
+    assert ">mine<" in text and "vertex snapping" in text and '<td class="number quiet">–</td></tr>' in text
     command = next(line for line in re.findall(r'hsr explain [^"<]*', text) if "--map" in line)
     place = "{x},{y}".format(**study["differences"]["mine"]["clusters"][0]["sample"])
     code, out, _ = run(*shlex.split(command.replace("X,Y", place))[1:])
