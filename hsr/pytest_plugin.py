@@ -245,9 +245,8 @@ class _Gatherer:
         try:
             return gather(self._results, root, whole, option.hsr_unused, option.hsr_selfcheck)
         except HsrError as error:
-            return [
-                f"the results are not whole: {error}"
-            ], option.hsr_selfcheck or option.hsr_unused == "fail"
+            fails = option.hsr_selfcheck or option.hsr_unused == "fail"
+            return [f"the results are not whole: {error}"], fails
 
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:
         """Say where the results are, and what no test used."""

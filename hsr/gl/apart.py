@@ -23,6 +23,9 @@ TIMED_OUT = 124
 CRASHED = 0xC0000000
 """Exit codes of Windows from here on are those of processes that crashed; elsewhere they are below 0."""
 
+KILLED = (-2, -9, -15)
+"""Exit codes of processes that people end, or a system short of memory: they say nothing of the driver."""
+
 VARIABLES = re.compile(
     r"_*(GALLIUM|MESA|LIBGL|LP|EGL|GLX|GL|DRI|GBM|ST|LD|VK|NV|NVIDIA|CUDA|ZINK|D3D12)_|.*DISPLAY$"
 )
@@ -82,7 +85,7 @@ def _ended(backend: str) -> str:
         return ""
     if run.returncode == TIMED_OUT:
         return f"the driver hangs: {run.stderr}"
-    crashed = run.returncode < 0 or run.returncode >= CRASHED
+    crashed = (run.returncode < 0 and run.returncode not in KILLED) or run.returncode >= CRASHED
     return f"the driver crashes: it ended a process with code {run.returncode}" if crashed else ""
 
 

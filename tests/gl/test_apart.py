@@ -79,6 +79,13 @@ def test_a_process_that_says_nothing_of_the_driver_is_no_judgement(
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+@pytest.mark.parametrize("number", [2, 9, 15])
+def test_a_process_that_others_end_is_no_judgement(asked: list[str], number: int) -> None:
+    asked[0] = f"import os, signal; signal.signal(2, signal.SIG_DFL); os.kill(os.getpid(), {number})"
+    apart.check_survives("egl")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_where_nothing_can_be_written_a_crash_is_found_all_the_same(
     asked: list[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
