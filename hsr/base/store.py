@@ -62,7 +62,7 @@ class Store:
     megabytes : int, optional
         ``$HSR_STORE_MB``, else 1000.
     fresh : bool
-        Whether to find only what has been kept since now, by whichever process.
+        Whether to find only what has been kept, or asked for, since now, by whichever process.
 
     Raises
     ------

@@ -66,6 +66,9 @@ def check_survives(backend: str) -> None:
         raise NoOpenGLError(problem)
 
 
+HANGS = "the driver hangs"
+
+
 @cache
 def _outcome(backend: str, circumstances: tuple[object, ...]) -> str:
     """Return how a driver ended a process; empty if it did not."""
@@ -73,7 +76,9 @@ def _outcome(backend: str, circumstances: tuple[object, ...]) -> str:
     known = store.get(*key)
     if known is None:
         known = _ended(backend)
-        store.put(known, *key)
+        # A machine may have been too busy just then.
+        if not known.startswith(HANGS):
+            store.put(known, *key)
     return str(known)
 
 
@@ -84,7 +89,7 @@ def _ended(backend: str) -> str:
     except OSError:  # no process can be started here: all is as if nobody had asked
         return ""
     if run.returncode == TIMED_OUT:
-        return f"the driver hangs: {run.stderr}"
+        return f"{HANGS}: {run.stderr}"
     crashed = (run.returncode < 0 and run.returncode not in KILLED) or run.returncode >= CRASHED
     return f"the driver crashes: it ended a process with code {run.returncode}" if crashed else ""
 

@@ -132,7 +132,7 @@ def gathered(found: Study, histories: int | None, store: Store | None) -> Gather
     told = ("driver", MODEL, READ)
     maps = [(name, map.digest, *[map.notes.get(note) for note in told]) for name, map in found.maps.items()]
     scene = (found.scene.model_dump_json(), found.scene.file, found.scene.cameras_of_file, found.view.hashes)
-    parts = ("page", found.name, found.camera, found.reference, histories, maps, scene)
+    parts = ("page", found.name, found.camera, found.reference, bool(found.causes), histories, maps, scene)
     data: Gathered | None = store.get(*parts)
     if data is None:
         data = _gather(found, histories)

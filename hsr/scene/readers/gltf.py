@@ -114,6 +114,8 @@ class Document:
             packed = content.startswith(MAGIC) or ending_of(path) == ".glb"
             text, *chunk = chunks(content) if packed else [content]
             self._tree: dict[str, Any] = json.loads(plain(text).decode(errors="replace"))
+            if not isinstance(self._tree, dict):
+                raise SceneError("it is JSON, but no glTF: its outermost value is no object")
             version = str(self._tree.get("asset", {}).get("version", "2.0"))
             if not version.startswith("2."):
                 raise SceneError(f"it is of glTF {version}; export it as glTF 2.0")

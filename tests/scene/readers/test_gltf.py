@@ -232,3 +232,9 @@ def test_files_that_are_refused(tmp_path: Path, keys: dict[str, Any], problem: s
         load_glb(tmp_path, **keys)
     assert str(caught.value).removeprefix(f"{tmp_path / 'a.glb'}: ").startswith(problem)
     assert "\n" not in str(caught.value)
+
+
+def test_json_of_another_kind_is_no_gltf(tmp_path: Path) -> None:
+    (tmp_path / "list.gltf").write_text("[]", encoding="utf-8")
+    with pytest.raises(SceneError, match="no glTF: its outermost value is no object"):
+        hsr.load(tmp_path / "list.gltf")
