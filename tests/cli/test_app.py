@@ -152,7 +152,9 @@ def interrupted(process: subprocess.Popen[str]) -> None:
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 @pytest.mark.parametrize("seconds", [0.0, 0.05, 0.1, 0.2, 0.4, 0.8, 1.5, 3.0])
 def test_ctrl_c_is_one_line_and_130(scenes: Path, seconds: float) -> None:
-    watched = ["-c", "from hsr.cli import main; print('ready', flush=True); main()"]
+    # What a shell starts in the background has SIGINT ignored; a terminal's command has not.
+    heard = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    watched = ["-c", heard + "from hsr.cli import main; print('ready', flush=True); main()"]
     arguments = ["compare", "teapot", "-a", "zbuffer", "-a", "raycast", "--size", "2000", "--fresh"]
     process = subprocess.Popen(
         [sys.executable, *watched, *arguments],
