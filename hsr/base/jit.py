@@ -94,11 +94,20 @@ class _Cache(FunctionCache):
 def _cached(function: Function, **options: Any) -> Any:
     """Compile a kernel that is kept on disk; where no folder can be written, for this process alone."""
     kernel = numba.njit(error_model="numpy", **options)(function)
+    _kernels.append(kernel)
     try:
         kernel._cache = _Cache(function)  # type: ignore[no-untyped-call]
     except (OSError, RuntimeError):
         _tell_uncached()
     return kernel
+
+
+_kernels: list[Any] = []
+
+
+def kernels_loaded() -> int:
+    """Return how many kernels, by the types of what they take, this process has compiled or loaded."""
+    return sum(len(getattr(kernel, "overloads", ())) for kernel in _kernels)
 
 
 @cache

@@ -154,8 +154,27 @@ def test_no_method_profits_from_what_another_prepared(
         return honest(self, view, **options)
 
     monkeypatch.setattr(Method, "render", keep)
+    monkeypatch.setattr(module, "_begun", [])
     study(make_scene([{"name": "cube", "shape": "cube"}]), ["backface", "painter"], "backface", (8, 8))
-    assert len({id(geometry) for geometry in given}) == len(given) == 4
+    assert len({id(geometry) for geometry in given}) == len(given) >= 4
+
+
+def test_times_hold_no_loading_of_kernels(make_scene: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    loaded, drawn = 0, []
+    honest = Method.render
+
+    def draw(self: Method, view: View, **options: Any) -> VisibilityMap:
+        nonlocal loaded
+        drawn.append(view.width)
+        loaded += view.width == 30 and drawn.count(30) == 1
+        return honest(self, view, **options)
+
+    monkeypatch.setattr(Method, "render", draw)
+    monkeypatch.setattr(module, "kernels_loaded", lambda: loaded)
+    monkeypatch.setattr(module, "_begun", [])
+    for width in (20, 30, 40):
+        study(make_scene(CUBE), ["painter"], "painter", (width, 9))
+    assert drawn == [8, 20, 30, 30, 40]
 
 
 def test_what_was_computed_is_recalled_with_its_note(make_scene: Any, tmp_path: Path) -> None:
