@@ -209,10 +209,32 @@ def accept(decisions: Path, results: Path, root: Path) -> list[str]:
     for key, choice in made.decisions.items():
         if key not in checks:
             raise CheckError(f"{decisions}: {key}: the run has no such check")
-        file = _baseline(f"{decisions}: {key}", checks[key], root)
+        file = _baseline(f"{decisions}: {key}", checks[key].baseline, root)
         map = None if choice == "reject" else load_map(results / checks[key].shown)
         planned.append((checks[key], choice, file, map))
     return [_done(root, *plan) for plan in planned]
+
+
+def keep(map: VisibilityMap, baseline: str, root: Path) -> str:
+    """Make a map a baseline, and return a line that says so.
+
+    Parameters
+    ----------
+    map : VisibilityMap
+        Of whatever program.
+    baseline : str
+        Its file as seen from ``root``: ``tests/__visibility__/pictures/teapot.npz``.
+    root : Path
+        The project's root.
+
+    Raises
+    ------
+    HsrError
+        If it is no place for baselines in this project, or cannot be written.
+    """
+    file = _baseline(baseline, baseline, root)
+    write(file, map, map.tells_depth)
+    return f"wrote {file.relative_to(root).as_posix()}"
 
 
 def _done(root: Path, check: Check, choice: Choice, file: Path, map: VisibilityMap | None) -> str:
@@ -224,9 +246,9 @@ def _done(root: Path, check: Check, choice: Choice, file: Path, map: VisibilityM
     return f"wrote {file.relative_to(root).as_posix()}"
 
 
-def _baseline(which: str, check: Check, root: Path) -> Path:
-    """Return the file of a check's baseline: two below a folder of baselines, in this project."""
-    place = PurePosixPath(check.baseline)
+def _baseline(which: str, baseline: str, root: Path) -> Path:
+    """Return the file of a baseline: two below a folder of baselines, in this project."""
+    place = PurePosixPath(baseline)
     below = place.parts[-3:-2] == (FOLDER,) and place.suffix in SUFFIXES.values()
     if not below or place.is_absolute() or ".." in place.parts:
         raise CheckError(f"{which}: has no baseline in this project")

@@ -104,3 +104,34 @@ def test_two_maps_of_other_programs_are_compared(run: Any, files: Path) -> None:
 def test_what_cannot_be_is_refused_in_a_line(run: Any, files: Path, arguments: Any, problem: str) -> None:
     code, out, told = run(*(word.format(files) for word in arguments))
     assert code == 2 and out == "" and problem in " ".join(told.split())
+
+
+def test_accept_makes_a_map_a_baseline(
+    run: Any, files: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "tests").mkdir()
+    baseline, raw = "tests/__visibility__/pictures/concave.npz", options(files)["ids.raw"]
+    code, out, _ = run("accept", "--map", f"{baseline}={files / 'ids.raw'}", *raw)
+    assert code == 0 and out == f"wrote {baseline}\n"
+    assert run("diff", str(files / "ids.npy"), baseline, "--flip")[0] == 0
+    assert np.array_equal(hsr.load_map(baseline).face, np.load(files / "ids.npy")[::-1])
+
+
+@pytest.mark.parametrize(
+    ("given", "problem"),
+    [
+        ([], "name a file of decisions, or --map BASELINE=FILE"),
+        (["--map", "ids.raw"], "--map: write BASELINE=FILE"),
+        (["--map", "elsewhere.npz={file}"], "elsewhere.npz: has no baseline in this project"),
+        (["--map", "../__visibility__/a/b.npz={file}"], "has no baseline in this project"),
+        (["--map", "none/__visibility__/a/b.npz={file}"], "there is no folder none here"),
+    ],
+)
+def test_accept_writes_baselines_of_this_project_only(
+    run: Any, files: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, given: list[str], problem: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    given = [word.format(file=files / "ids.raw") for word in given]
+    code, _, told = run("accept", *given, *options(files)["ids.raw"])
+    assert code == 2 and problem in " ".join(told.split()) and not [*tmp_path.iterdir()]
