@@ -238,8 +238,8 @@ def _clipped(triangles: Array, buffer: DepthBuffer) -> Array:
     reach = np.array([1.0] * 4 + [0.0 if buffer.zero_to_one else 1.0, 1.0], dtype=np.float32)
     codes = np.empty(triangles["made"].shape, dtype=np.int32)
     float32.outcodes(triangles["clip"].reshape(-1, 4), reach, codes.reshape(-1))
-    outside = np.bitwise_or.reduce(codes, axis=1)
-    hidden = np.bitwise_and.reduce(codes, axis=1) != 0
+    a, b, c = codes.T
+    outside, hidden = a | b | c, (a & b & c) != 0
     triangles["staged"] = _batched(outside != 0, triangles["cull"])
 
     crossing = np.flatnonzero((outside != 0) & ~hidden)
@@ -281,7 +281,8 @@ def _snapped(
     window = _window(triangles, size, buffer)
     one = 1 << SUBPIXEL_BITS
     grid = np.rint((window[:, :, :2] - np.float32(0.5)) * np.float32(one)).astype(np.int64)
-    box = _box(np.minimum.reduce(grid, axis=1) / one, np.maximum.reduce(grid, axis=1) / one, size)
+    low, high = _extent(grid)
+    box = _box(low / one, high / one, size)
     near_by = np.flatnonzero(_covering(box, counted))
     triangles, window, grid, box = triangles[near_by], window[near_by], grid[near_by], box[near_by]
 
@@ -422,7 +423,8 @@ def _box_beyond_near(clip: Floats, size: tuple[int, int], buffer: DepthBuffer) -
     box = np.empty((len(clip), 4), dtype=np.int32)
     whole = ((beyond >= 0) & (w > 0)).all(axis=1)
     sample = (clip[whole, :, :2] / w[whole, :, None] + 1.0) * 0.5 * size - 0.5
-    box[whole] = _box(sample.min(axis=1) - 1.0, sample.max(axis=1) + 1.0, size)
+    low, high = _extent(sample)
+    box[whole] = _box(low - 1.0, high + 1.0, size)
     box[~whole] = _box_of_cut(clip[~whole], beyond[~whole], size)
     return box
 
@@ -442,6 +444,12 @@ def _box_of_cut(clip: Floats, beyond: Floats, size: tuple[int, int]) -> Ints:
 
 
 # ---------------------------------------------------------------- samples
+
+
+def _extent(corners: Array) -> tuple[Array, Array]:
+    """Return the least and the greatest coordinates of triangles (n, 3, 2)."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]  # a reduction along three takes longer
+    return np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
 
 
 def _box(low: Floats, high: Floats, size: tuple[int, int]) -> Ints:
