@@ -153,3 +153,13 @@ def test_every_command_is_run_by_the_proof_or_said_not_to_be() -> None:
     found = commands()
     assert sum(not skipped(command) for command in found) > 15
     assert [start for start in NOT_RUN if not any(command.startswith(start) for command in found)] == []
+
+
+def test_what_a_newcomer_waits_for_is_what_was_measured() -> None:
+    measured = (ROOT / "benchmarks" / "results" / "first-minute.md").read_text(encoding="utf-8")
+    told = README[README.index("On a slow\nmachine") : README.index("first_minute.py")]
+    (cold, warm, _), (first, _) = (
+        re.findall(r"\d+\.\d", next(line for line in measured.splitlines() if line.startswith(start)))
+        for start in ("| compare, with its page |", "`hsr demo`, cold")
+    )
+    assert re.findall(r"(\d+\.\d) s\b", told) == [first, cold, warm]
